@@ -33,16 +33,21 @@ impl Default for LcpMethod {
 /// The method of that name with its default options.
 impl From<LcpMethodName> for LcpMethod {
     fn from(name: LcpMethodName) -> Self {
-        match name {
-            LcpMethodName::Lemke => Self::Lemke(LemkeOptions::default()),
-            LcpMethodName::BlockPivoting => Self::BlockPivoting(LemkeOptions::default()),
-            LcpMethodName::ProjectedCg => Self::ProjectedCg,
-            LcpMethodName::Auto => Self::Auto(LemkeOptions::default()),
-        }
+        Self::named(name, LemkeOptions::default())
     }
 }
 
 impl LcpMethod {
+    /// The method of that name with the options, if it reads any.
+    pub(crate) fn named(name: LcpMethodName, options: LemkeOptions) -> Self {
+        match name {
+            LcpMethodName::Lemke => Self::Lemke(options),
+            LcpMethodName::BlockPivoting => Self::BlockPivoting(options),
+            LcpMethodName::ProjectedCg => Self::ProjectedCg,
+            LcpMethodName::Auto => Self::Auto(options),
+        }
+    }
+
     /// The method without its options.
     pub fn name(&self) -> LcpMethodName {
         match self {

@@ -37,7 +37,7 @@ impl PyContactOptions {
             gap_tolerance,
             max_linearizations,
             rings,
-            method: method_named(method)?,
+            method: method_named(method)?.into(),
             num_threads,
             memory_limit,
             search_distance,

@@ -13,10 +13,9 @@ use crate::python::convert::{MatrixArgument, named, scalars};
 use crate::python::errors::{IntoPyErr, LcpError};
 use crate::python::interrupt::detached;
 
-/// The method of a name, with the crate's options.
-pub(super) fn method_named(name: &str) -> PyResult<LcpMethod> {
+pub(super) fn method_named(name: &str) -> PyResult<LcpMethodName> {
     let names = LcpMethodName::ALL.map(|method| (method, method.as_str()));
-    named("method", name, &names, LcpError::new_err).map(LcpMethod::from)
+    named("method", name, &names, LcpError::new_err)
 }
 
 /// Options of a complementarity problem; their defaults are the crate's.
@@ -72,19 +71,6 @@ impl PyLcpOptions {
         defaults.set_item("definiteness", options.definiteness.as_str())?;
         defaults.set_item("crash", lemke.crash)?;
         Ok(defaults)
-    }
-}
-
-impl PyLcpOptions {
-    /// The method with those of the options that it reads.
-    fn given_to(&self, method: LcpMethod) -> LcpMethod {
-        let lemke = self.lemke.clone();
-        match method {
-            LcpMethod::Lemke(_) => LcpMethod::Lemke(lemke),
-            LcpMethod::BlockPivoting(_) => LcpMethod::BlockPivoting(lemke),
-            LcpMethod::Auto(_) => LcpMethod::Auto(lemke),
-            LcpMethod::ProjectedCg => LcpMethod::ProjectedCg,
-        }
     }
 }
 
@@ -191,7 +177,7 @@ pub(super) fn solve_lcp(
 ) -> PyResult<Py<PyLcpSolution>> {
     let matrix = MatrixArgument::new(matrix, "M", LcpError::new_err)?;
     let q = scalars(q, "q")?;
-    let method = options.given_to(method_named(method)?);
+    let method = LcpMethod::named(method_named(method)?, options.lemke.clone());
     let view = matrix.view();
     let solution = detached(py, |interrupt| {
         let shared = LcpOptions { interrupt: Some(interrupt), ..options.shared.clone() };
