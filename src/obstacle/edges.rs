@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::face_tree::node_bounds;
 use crate::obstacle::convex_edge::{ConvexEdge, cuboid_edges, cylinder_rims, mesh_edges};
+use crate::obstacle::mesh::MeshShape;
 use crate::obstacle::posed::{Obstacle, Shape};
 use crate::obstacle::primitive::Primitive;
 
@@ -52,10 +53,7 @@ impl Obstacle {
 
     /// Vertices of a mesh in its own frame; none of a primitive.
     fn own_corners(&self) -> &[Vector3<f64>] {
-        match self.shape() {
-            Shape::Mesh(mesh) => mesh.vertices(),
-            Shape::Primitive(_) => &[],
-        }
+        self.as_mesh().map_or(&[], MeshShape::vertices)
     }
 
     /// Vertices of a mesh within a box.
@@ -76,7 +74,7 @@ impl Obstacle {
         normal: &Vector3<f64>,
         corners: impl Iterator<Item = Vector3<f64>>,
     ) -> Vec<ConvexEdge> {
-        let Shape::Mesh(mesh) = self.shape() else { return Vec::new() };
+        let Some(mesh) = self.as_mesh() else { return Vec::new() };
         let pose = self.pose_matrix();
         let within = Bounds::around_each(corners.map(|corner| pose.to_local(&corner)));
         let near = mesh.tree().bvh().leaves(|node| node_bounds(node).meets(&within));

@@ -6,17 +6,14 @@ use nalgebra::Vector3;
 
 use crate::geometry::segment::share_along;
 use crate::obstacle::mesh::MeshShape;
-use crate::obstacle::posed::{Obstacle, Shape};
+use crate::obstacle::posed::Obstacle;
 
 impl Obstacle {
     /// What facets of a mesh that meet within `reach` (m) of a point on it make the pressure there grow by, over E\* and for
     /// cells smaller by a factor of e: β/π at a ridge that falls off by β (rad) on both sides, β/2 at a tip (Johnson 1985,
     /// §5.2); 0 of a primitive.
     pub(crate) fn facet_growth(&self, point: &Vector3<f64>, reach: f64) -> f64 {
-        match self.shape() {
-            Shape::Mesh(mesh) => mesh.facet_growth(&self.pose_matrix().to_local(point), reach),
-            Shape::Primitive(_) => 0.0,
-        }
+        self.as_mesh().map_or(0.0, |mesh| mesh.facet_growth(&self.pose_matrix().to_local(point), reach))
     }
 }
 

@@ -73,7 +73,7 @@ impl Obstacle {
         check_finite("half-space", "the point", &point)?;
         check_finite("half-space", "the normal", &normal)?;
         let normal = unit(&normal).ok_or(ObstacleError::ZeroNormal)?;
-        Ok(Obstacle::at_rest(Shape::Primitive(Primitive::HalfSpace { point, normal })))
+        Ok(Obstacle::of_primitive(Primitive::HalfSpace { point, normal }))
     }
 
     /// A ball.
@@ -87,7 +87,7 @@ impl Obstacle {
     pub fn sphere(center: Vector3<f64>, radius: f64) -> Result<Obstacle, ObstacleError> {
         check_finite("sphere", "the center", &center)?;
         check_positive("sphere", "the radius", radius)?;
-        Ok(Obstacle::at_rest(Shape::Primitive(Primitive::Sphere { center, radius })))
+        Ok(Obstacle::of_primitive(Primitive::Sphere { center, radius }))
     }
 
     /// A box around the origin, its edges along the axes.
@@ -101,7 +101,7 @@ impl Obstacle {
         for extent in half_extents.iter() {
             check_positive("box", "every half extent", *extent)?;
         }
-        Ok(Obstacle::at_rest(Shape::Primitive(Primitive::Cuboid { half_extents })))
+        Ok(Obstacle::of_primitive(Primitive::Cuboid { half_extents }))
     }
 
     /// All points within `radius` of a segment.
@@ -119,7 +119,7 @@ impl Obstacle {
         if (b - a).norm_squared() == 0.0 {
             return Err(ObstacleError::CoincidentEnds { end: a.into() });
         }
-        Ok(Obstacle::at_rest(Shape::Primitive(Primitive::Capsule { a, b, radius })))
+        Ok(Obstacle::of_primitive(Primitive::Capsule { a, b, radius }))
     }
 
     /// A cylinder with flat caps around the z axis, centered on the origin.
@@ -133,7 +133,7 @@ impl Obstacle {
     pub fn cylinder(half_height: f64, radius: f64) -> Result<Obstacle, ObstacleError> {
         check_positive("cylinder", "the half height", half_height)?;
         check_positive("cylinder", "the radius", radius)?;
-        Ok(Obstacle::at_rest(Shape::Primitive(Primitive::Cylinder { half_height, radius })))
+        Ok(Obstacle::of_primitive(Primitive::Cylinder { half_height, radius }))
     }
 
     fn at_rest(shape: Shape) -> Obstacle {
@@ -156,14 +156,14 @@ impl Obstacle {
         let motion = rigid_motion(rotation, translation)?;
         let mut pose = motion * self.pose;
         pose.rotation.renormalize();
-        Ok(Obstacle { pose, ..self.clone() })
+        Ok(self.at(pose))
     }
 
     /// A copy shifted by `translation` (m).
     pub fn translated(&self, translation: &Vector3<f64>) -> Obstacle {
         let mut pose = self.pose;
         pose.translation.vector += translation;
-        Obstacle { pose, ..self.clone() }
+        self.at(pose)
     }
 
     /// A copy that gives way under the contact's forces.
@@ -199,7 +199,7 @@ impl Obstacle {
         let center = Translation3::from(*center);
         let mut pose = center * rotation * center.inverse() * self.pose;
         pose.rotation.renormalize();
-        Obstacle { shape: Arc::clone(&self.shape), pose, material: self.material.clone() }
+        self.at(pose)
     }
 
     /// Where the obstacle's own frame stands in the world.
@@ -242,13 +242,8 @@ impl Obstacle {
 
     /// Vertices in the world (m) and faces of a mesh; `None` for a primitive.
     pub fn triangles(&self) -> Option<Triangles> {
-        let pose = self.pose_matrix();
-        match &*self.shape {
-            Shape::Mesh(mesh) => {
-                Some((mesh.vertices().iter().map(|v| pose.to_world(v)).collect(), mesh.faces().to_vec()))
-            }
-            Shape::Primitive(_) => None,
-        }
+        let (mesh, pose) = (self.as_mesh()?, self.pose_matrix());
+        Some((mesh.vertices().iter().map(|v| pose.to_world(v)).collect(), mesh.faces().to_vec()))
     }
 
     /// A mesh in the world with its areas and normals; `None` for a primitive.
@@ -260,19 +255,13 @@ impl Obstacle {
 
     /// The triangle of a mesh closest to a point (m), and where on it; `None` for a primitive.
     pub(crate) fn closest_triangle(&self, point: &Vector3<f64>) -> Option<CoarsePlace> {
-        match &*self.shape {
-            Shape::Mesh(mesh) => Some(mesh.closest_triangle(&self.pose_matrix().to_local(point))),
-            Shape::Primitive(_) => None,
-        }
+        self.as_mesh().map(|mesh| mesh.closest_triangle(&self.pose_matrix().to_local(point)))
     }
 
     /// Vertices (m) and faces of a mesh in its own frame.
     #[cfg(feature = "python")]
     pub(crate) fn own_triangles(&self) -> Option<OwnTriangles<'_>> {
-        match &*self.shape {
-            Shape::Mesh(mesh) => Some((mesh.vertices(), mesh.faces())),
-            Shape::Primitive(_) => None,
-        }
+        self.as_mesh().map(|mesh| (mesh.vertices(), mesh.faces()))
     }
 
     /// The primitive in its own frame.
@@ -285,7 +274,6 @@ impl Obstacle {
     }
 
     /// A primitive that was checked before, in its own frame.
-    #[cfg(feature = "python")]
     pub(crate) fn of_primitive(primitive: Primitive) -> Obstacle {
         Obstacle::at_rest(Shape::Primitive(primitive))
     }
@@ -297,6 +285,13 @@ impl Obstacle {
 
     pub(super) fn shape(&self) -> &Shape {
         &self.shape
+    }
+
+    pub(super) fn as_mesh(&self) -> Option<&MeshShape> {
+        match &*self.shape {
+            Shape::Mesh(mesh) => Some(mesh),
+            Shape::Primitive(_) => None,
+        }
     }
 
     pub(super) fn pose_matrix(&self) -> PoseMatrix {
