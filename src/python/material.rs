@@ -40,7 +40,7 @@ pub(super) fn made_of(
     let (kernel, given) = product_skin(py, constants, response, is_new)?;
     let refuse: fn(String) -> PyErr = ResponseError::new_err;
     let response = match given {
-        None => ProductResponse::Kernel(kernel.get().kernel()?.kernel().clone()),
+        None => ProductResponse::Kernel(kernel.get().inner().kernel()?.kernel().clone()),
         Some((nodes, compliance)) => {
             let count = obstacle.triangles().map_or(usize::MAX, |(vertices, _)| vertices.len());
             ProductResponse::Matrix {

@@ -47,10 +47,6 @@ impl PySkin {
         self.inner.as_skin()
     }
 
-    pub(super) fn kernel(&self) -> PyResult<&KernelSkin> {
-        self.inner.kernel()
-    }
-
     /// The skin that draws what `skin` solved: of a prepared kernel the kernel, without its matrix.
     pub(super) fn for_drawing(skin: &Bound<'_, Self>) -> PyResult<Py<Self>> {
         match &skin.get().inner {
@@ -71,8 +67,8 @@ impl PySkin {
         pressure: &str,
         discretization: Option<&str>,
     ) -> PyResult<Self> {
-        Ok(Elastic::of_kernel(shear_modulus, poisson_ratio, Kernel::HalfSpace, pressure, discretization)?
-            .into())
+        Elastic::of_kernel(shear_modulus, poisson_ratio, Kernel::HalfSpace, pressure, discretization)
+            .map(Self::from)
     }
 
     #[staticmethod]
@@ -85,7 +81,7 @@ impl PySkin {
         pressure: &str,
     ) -> PyResult<Self> {
         let kernel = Kernel::GaussianCorrected { height, width, cutoff };
-        Ok(Elastic::of_kernel(shear_modulus, poisson_ratio, kernel, pressure, None)?.into())
+        Elastic::of_kernel(shear_modulus, poisson_ratio, kernel, pressure, None).map(Self::from)
     }
 
     #[staticmethod]
@@ -100,14 +96,8 @@ impl PySkin {
             Ok(_) => Thickness::PerVertex(scalars(thickness, "thickness")?.into()),
             Err(_) => Thickness::Uniform(number(thickness, "thickness")?),
         };
-        Ok(Elastic::of_kernel(
-            shear_modulus,
-            poisson_ratio,
-            Kernel::Layer { thickness },
-            pressure,
-            discretization,
-        )?
-        .into())
+        let kernel = Kernel::Layer { thickness };
+        Elastic::of_kernel(shear_modulus, poisson_ratio, kernel, pressure, discretization).map(Self::from)
     }
 
     /// Why the kernel is not well posed, or None.
