@@ -109,11 +109,11 @@ impl SkinWeights {
         if joints.len() != weights.len() || per_vertex == 0 || !joints.len().is_multiple_of(per_vertex) {
             return Err(SkinningError::Lengths { joints: joints.len(), weights: weights.len() });
         }
-        let rows = || joints.chunks(per_vertex).zip(weights.chunks(per_vertex)).enumerate();
+        let rows = joints.chunks(per_vertex).zip(weights.chunks(per_vertex));
         let mut influences = Vec::with_capacity(joints.len());
         let mut starts = vec![0];
         let mut off = None;
-        for (vertex, (joints, weights)) in rows() {
+        for (vertex, (joints, weights)) in rows.enumerate() {
             if let Some(&joint) = joints.iter().find(|&&joint| joint >= joint_count) {
                 return Err(SkinningError::Joint { vertex, joint, count: joint_count });
             }
@@ -122,8 +122,7 @@ impl SkinWeights {
             }
             let sum: f64 = weights.iter().sum();
             if (sum - 1.0).abs() > SUM_TOLERANCE {
-                let (_, count) = *off.get_or_insert(((vertex, sum), 0_usize));
-                off = off.map(|(first, _)| (first, count + 1));
+                off.get_or_insert(((vertex, sum), 0)).1 += 1;
             }
             let first = influences.len();
             let pairs = joints.iter().zip(weights).filter(|(_, weight)| **weight > 0.0);

@@ -198,11 +198,7 @@ fn fit(
     let surface =
         inscribed.with_vertices(lifted.map(|((vertex, normal), lift)| vertex + normal * *lift).collect());
     let left = |(place, height): (&CoarsePlace, &f64)| {
-        let lifted = place
-            .corners
-            .into_iter()
-            .zip(place.weights)
-            .map(|(corner, weight)| weight * lifts[corner as usize]);
+        let lifted = place.weights_of_corners().map(|(corner, weight)| weight * lifts[corner as usize]);
         (height - lifted.sum::<f64>()).abs()
     };
     (surface, places.iter().zip(heights).map(left).fold(0.0, f64::max))

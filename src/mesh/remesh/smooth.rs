@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::mesh::adjacency::corner_of;
 use crate::mesh::topology::Topology;
 
 /// Faces whose normals have a smaller cosine meet at a sharp edge: 50 degrees.
@@ -27,7 +28,7 @@ impl SmoothMesh<'_> {
     pub fn normal(&self, vertex: u32) -> Vector3<f64> {
         let weighed = |&face: &u32| {
             let corners = self.faces[face as usize];
-            let at = corners.iter().position(|&corner| corner == vertex).expect("a corner of its faces");
+            let at = corner_of(&corners, vertex);
             let [own, next, last] = [0, 1, 2].map(|step| self.vertices[corners[(at + step) % 3] as usize]);
             let (to, from) = (next - own, last - own);
             to.cross(&from) / (to.norm_squared() * from.norm_squared()).max(f64::MIN_POSITIVE)
@@ -39,9 +40,8 @@ impl SmoothMesh<'_> {
     /// Whether a vertex lies on a sharp edge.
     pub fn is_on_sharp_edge(&self, vertex: u32) -> bool {
         self.topology.faces_around(vertex as usize).iter().any(|&face| {
-            let corners = self.faces[face as usize];
-            let at = corners.iter().position(|&corner| corner == vertex);
-            at.is_some_and(|at| self.is_sharp(face, at) || self.is_sharp(face, (at + 2) % 3))
+            let at = corner_of(&self.faces[face as usize], vertex);
+            self.is_sharp(face, at) || self.is_sharp(face, (at + 2) % 3)
         })
     }
 
