@@ -67,8 +67,10 @@ def against_hertz() -> list[str]:
             for place in range(places):
                 h = touching / (cells * random.uniform(0.94, 1.06))
                 edges = h * np.array([[1.0, 0.0], second])
-                moved = random.uniform(-jitter * h, jitter * h, ((4 * cells + 1) ** 2, 2))
-                surface = lattice(4 * cells, 4 * cells, edges, random.uniform(-0.5, 0.5, 2) @ edges, moved)
+                plane, faces = lattice(4 * cells, 4 * cells, edges)
+                moved = random.uniform(-jitter * h, jitter * h, plane.shape)
+                plane = plane + random.uniform(-0.5, 0.5, 2) @ edges + moved
+                surface = qr.Surface(np.column_stack([plane, np.zeros(len(plane))]), faces)
                 for form, skin in enumerate(skins):
                     contact = qr.solve_contact(surface, sphere, skin, options=AS_GIVEN)
                     found = [-contact.force[2], contact.max_pressure, contact.contact_area]

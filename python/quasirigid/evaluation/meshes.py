@@ -18,28 +18,11 @@ def lattice_faces(columns: int, rows: int) -> Indices:
     return np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1)])
 
 
-def lattice(columns: int, rows: int, edges: Floats, shift: Floats, jitter: Floats) -> Surface:
-    """Return a flat mesh of parallelograms about the origin, normals to +z.
-
-    Parameters
-    ----------
-    columns, rows : int
-        Numbers of parallelograms.
-    edges : (2, 2) array
-        Sides of one (m).
-    shift : (2,) array
-        Of all vertices (m).
-    jitter : (n, 2) array
-        Of each vertex (m).
-    """
-    i, j = (
-        part.ravel()
-        for part in np.meshgrid(
-            np.arange(columns + 1) - columns / 2, np.arange(rows + 1) - rows / 2, indexing="ij"
-        )
-    )
-    plane = i[:, None] * edges[0] + j[:, None] * edges[1] + shift + jitter
-    return Surface(np.column_stack([plane, np.zeros(len(plane))]), lattice_faces(columns, rows))
+def lattice(columns: int, rows: int, edges: Floats) -> tuple[Floats, Indices]:
+    """Return places (n, 2) in m and faces of parallelograms about the origin, of those sides (2, 2) in m."""
+    i, j = np.meshgrid(np.arange(columns + 1) - columns / 2, np.arange(rows + 1) - rows / 2, indexing="ij")
+    places: Floats = i.reshape(-1, 1) * edges[0] + j.reshape(-1, 1) * edges[1]
+    return places, lattice_faces(columns, rows)
 
 
 def ball(radius: float, subdivisions: int, draw: float = 1.0) -> Surface:

@@ -13,7 +13,7 @@ from ... import reference
 from ...obstacle import Obstacle
 from ...skin import HalfSpace, Layer
 from ...surface import Surface
-from ..meshes import cone, lattice_faces
+from ..meshes import cone, lattice
 from .ellipse import EllipticHertz
 
 if TYPE_CHECKING:
@@ -83,14 +83,11 @@ class Scene:
         columns, rows = (
             2 * math.ceil(reach * extent / h) for reach, extent in zip(self.reach, self.extents, strict=True)
         )
-        i, j = np.meshgrid(
-            np.arange(columns + 1) - columns / 2, np.arange(rows + 1) - rows / 2, indexing="ij"
-        )
-        moved = random.uniform(-jitter * h, jitter * h, (i.size, 2))
-        plane = i.reshape(-1, 1) * edges[0] + j.reshape(-1, 1) * edges[1] + moved
+        plane, faces = lattice(columns, rows, edges)
+        plane += random.uniform(-jitter * h, jitter * h, plane.shape)
         plane += random.uniform(-0.5, 0.5, 2) @ edges
         heights = -0.5 * self.curvature * plane[:, 0] ** 2
-        return Surface(np.column_stack([plane, heights]), lattice_faces(columns, rows))
+        return Surface(np.column_stack([plane, heights]), faces)
 
     def figures(self, contact: Contact) -> tuple[Figures, Figures]:
         """Return force (N), area (m²) and peak (Pa) of a contact, and what is true."""
