@@ -25,14 +25,7 @@ from .._arrays import Floats, Indices
 from .._check import as_length
 from ..errors import SurfaceError
 from ..surface import Surface
-from .loft import (
-    check_vertex_count,
-    loft,
-    perimeter,
-    ring_size,
-    rows_along,
-    spread_on_curve,
-)
+from .loft import check_vertex_count, loft, rings_on, rows_along
 
 __all__ = ["REFERENCE_BREADTH", "finger", "fingertip"]
 
@@ -143,10 +136,7 @@ def _build(
     cap_rows = rows_along(rim_radius, edge_length)
     outlines = [partial(shape.section, station) for station in stations]
     outlines += [partial(shape.cap_section, 1.0 - row / cap_rows) for row in range(1, cap_rows)]
-    rings = [
-        spread_on_curve(outline, ring_size(perimeter(outline), edge_length), row % 2 == 1)
-        for row, outline in enumerate(outlines)
-    ]
+    rings = rings_on(outlines, edge_length)
     for ring in rings[rows - 1 :]:
         ring[:, 1] = 0.0
     return loft(rings, shape.section(0.0, np.zeros(1))[0], np.zeros(3))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
@@ -66,6 +66,14 @@ def perimeter(curve: Callable[[Floats], Floats]) -> float:
     """Return the length (m) of a closed curve that maps angles (k,) in rad to points (k, 3) in m."""
     points = curve(np.linspace(0.0, 2.0 * np.pi, _CHORDS + 1))
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+
+def rings_on(outlines: Iterable[Callable[[Floats], Floats]], edge_length: float) -> list[Floats]:
+    """Return rings for `loft` on closed curves, each as in `perimeter`, with edges near `edge_length` (m)."""
+    return [
+        spread_on_curve(outline, ring_size(perimeter(outline), edge_length), row % 2 == 1)
+        for row, outline in enumerate(outlines)
+    ]
 
 
 def loft(rings: list[Floats], first_pole: Floats, last_pole: Floats) -> tuple[Floats, Indices]:

@@ -21,13 +21,14 @@ that the means alone would give (10 %) and the one measured.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from .._arrays import Floats, Indices
 from ..errors import SurfaceError
 from .fingers import REFERENCE_BREADTH
-from .loft import loft, perimeter, ring_size, rows_along, spread_on_curve
+from .loft import loft, rings_on, rows_along
 
 __all__ = ["LENGTHS", "Frame", "Phalanx", "as_text", "lengths_between", "phalanges_in"]
 
@@ -143,13 +144,7 @@ class Phalanx:
         way = np.concatenate([[0.0], np.cumsum(steps)])
         rows = max(4, rows_along(way[-1], element_size))
         placed = np.interp(np.arange(1, rows) / rows * way[-1], way, stations)
-        rings = []
-        for row, station in enumerate(placed):
-
-            def outline(turned: Floats, station: float = float(station)) -> Floats:
-                return self.outline(station, turned)
-
-            rings.append(spread_on_curve(outline, ring_size(perimeter(outline), element_size), row % 2 == 1))
+        rings = rings_on((partial(self.outline, float(station)) for station in placed), element_size)
         poles = [self.outline(end, np.zeros(1))[0] for end in (self.start, self.end)]
         return loft(rings, poles[0], poles[1])
 
@@ -174,6 +169,7 @@ def lengths_between(frame: Frame, joints: Floats, beyond: float, scale: float) -
 def phalanges_in(
     frame: Frame, lengths: tuple[float, ...], scale: float, from_cut: float, *, is_thumb: bool
 ) -> list[Phalanx]:
+    """Return the bones to `from_cut` (m) before the finger's cut, `lengths` as in `LENGTHS` over `scale`."""
     if frame.length < SHORTEST:
         return []
     joint = min((lengths[0] + lengths[1]) * scale, 0.75 * frame.length)
