@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._check import as_array, as_vector, reals_or_empty, short
+from .._check import as_array, reals_or_empty, short
 from ..errors import HandError
 from ..obstacle import Obstacle
 from .rig.joints import DIGITS, EACH_DIGIT, JOINTS_OF, REFERENCE_LENGTH, WEBXR_25, lacking, length_of
@@ -118,7 +118,7 @@ def check_inside(surface: Surface, rest: Floats, names: tuple[str, ...]) -> None
     deep = np.flatnonzero(is_tip & (distance < -_DEEPEST_TIP * length))
     if len(outside):
         worst = outside[np.argmax(distance[outside])]
-        place = as_vector("joint", rest[known[worst], :3, 3], HandError)
+        place = rest[known[worst], :3, 3]
         lost = {WEBXR_25[joint] for joint in outside}
         whole = [digit for digit in DIGITS if lost.isdisjoint(JOINTS_OF[digit])]
         bare = [digit for digit in DIGITS if lost.issuperset(JOINTS_OF[digit][2:])]

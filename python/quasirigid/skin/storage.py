@@ -71,20 +71,19 @@ def write_prepared(
 
 def _numbers(response: Response) -> dict[str, Any]:
     """Return the response's numbers and choices."""
-    numbers: dict[str, Any] = {}
     if isinstance(response, Body):
         return {
             "coarse_edge_length": as_float_or_none("coarse_edge_length", response.coarse_edge_length),
             "discretization": response.discretization,
         }
-    if not isinstance(response, GivenMatrix):
-        for name, value in vars(response).items():
-            if value is None or isinstance(value, str):
-                numbers[name] = value
-            elif np.ndim(value) == 0:
-                # NumPy's numbers too, which JSON does not know.
-                numbers[name] = float(value)
-    return numbers
+    if isinstance(response, GivenMatrix):
+        return {}
+    # NumPy's numbers too, which JSON does not know.
+    return {
+        name: value if value is None or isinstance(value, str) else float(value)
+        for name, value in vars(response).items()
+        if np.ndim(value) == 0
+    }
 
 
 def _fields(response: Response) -> dict[str, NDArray[Any]]:
