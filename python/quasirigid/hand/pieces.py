@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._sides import sides_of
+from .._geometry import sides_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

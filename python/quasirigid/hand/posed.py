@@ -20,6 +20,7 @@ from .bones import fitted
 from .grasp.crossings import crossing_parts, in_words
 from .kept import kept
 from .regions import digit_of_vertices
+from .rig.frames import unit
 from .rig.joints import REFERENCE_LENGTH, index_of
 
 if TYPE_CHECKING:
@@ -255,10 +256,9 @@ class PosedHand(Frozen):
         without digits: `Obstacle.placed` lays a product against that.
         """
         wrist, knuckle, index, little = (self.frame_of(name)[:3, 3] for name in _PALM_JOINTS)
-        distal = (knuckle - wrist) / np.linalg.norm(knuckle - wrist)
+        distal = unit(knuckle - wrist)
         out = np.cross(index - wrist, little - wrist) * (1.0 if self.hand.side == "right" else -1.0)
-        out -= (out @ distal) * distal
-        out /= np.linalg.norm(out)
+        out = unit(out - (out @ distal) * distal)
         below = _BELOW * self.hand.length / REFERENCE_LENGTH
         middle = self.surface.vertices[self.hand.regions == "palm-center"].mean(axis=0) - below * out
         middle += ((wrist + _PALM_MIDDLE * (knuckle - wrist) - middle) @ distal) * distal

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._geometry import distance_to_segment
 from .pieces import in_one_piece, largest_piece
 from .rig.frames import unit
 from .rig.joints import DIGITS, JOINTS_OF
@@ -73,9 +74,8 @@ class _Skin:
         wrist = hand.frame_of("wrist")
         self.wrist = wrist[:3, 3]
         knuckle = self.joint("middle", 1)
-        self.distal = (knuckle - self.wrist) / np.linalg.norm(knuckle - self.wrist)
-        self.dorsal = wrist[:3, 2] - (wrist[:3, 2] @ self.distal) * self.distal
-        self.dorsal /= np.linalg.norm(self.dorsal)
+        self.distal = unit(knuckle - self.wrist)
+        self.dorsal = unit(wrist[:3, 2] - (wrist[:3, 2] @ self.distal) * self.distal)
         self.away = np.column_stack([self._distance_to(digit) for digit in DIGITS])
         self.digit = np.argmin(np.where(self._is_moved_by(), self.away, np.inf), axis=1)
 
@@ -171,16 +171,9 @@ class _Skin:
     def _distance_to(self, digit: str) -> Floats:
         """Return the distance (n,) to the bones of a digit (m)."""
         chain = self.chain(digit)
-        distances = [_to_segment(self.points, a, b) for a, b in pairwise(chain)]
+        distances = [distance_to_segment(self.points, a, b) for a, b in pairwise(chain)]
         least: Floats = np.min(distances, axis=0)
         return least
-
-
-def _to_segment(points: Floats, start: Floats, end: Floats) -> Floats:
-    way = end - start
-    share = np.clip((points - start) @ way / (way @ way), 0.0, 1.0)
-    distance: Floats = np.linalg.norm(points - start - share[:, None] * way, axis=1)
-    return distance
 
 
 def digit_of_vertices(labels: NDArray[np.str_]) -> NDArray[np.str_]:

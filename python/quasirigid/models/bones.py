@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._arrays import Floats
 from .._check import as_direction, as_mask, as_number, as_vector, reals_or_empty, short
-from .._sides import sides_of
+from .._geometry import sides_of
 from ..errors import SurfaceError
 from ..obstacle import Obstacle
 from ..scene import as_surface

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .._arrays import Floats, Indices
-from .._sides import sides_of
+from .._geometry import sides_of
 
 
 def contact_side(vertices: Floats, faces: Indices, pressure: Floats, gap: Floats) -> Floats:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._arrays import Floats, Indices
+from .._geometry import face_normals
 from .raster import rasterise
 from .style import Window
 from .view import View
@@ -74,12 +75,6 @@ def _lambert(normals: Floats, light: tuple[float, float, float]) -> Floats:
     direction = np.asarray(light) / np.linalg.norm(light)
     brightness: Floats = np.clip(normals @ direction, 0.0, 1.0)
     return brightness
-
-
-def face_normals(vertices: Floats, faces: Indices) -> Floats:
-    """Return the normals (m, 3) of the faces, as long as twice their area."""
-    corners = vertices[faces]
-    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
 def vertex_normals(vertices: Floats, faces: Indices) -> Floats:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from hands import GLB, INDEX, RIGS
-from quasirigid._sides import sides_of
+from quasirigid._geometry import sides_of
 from quasirigid.hand import DIGITS, JOINTS_21
 from quasirigid.hand.bend import shares_of
 from quasirigid.hand.pose import bend_at_rest

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from hands import RIGS, parts_of
-from quasirigid._sides import sides_of
+from quasirigid._geometry import sides_of
 from quasirigid.hand import DIGITS
 from shared_meshes import hand_file
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from numpy.typing import NDArray
-from quasirigid._sides import sides_of
+from quasirigid._geometry import sides_of
 from quasirigid.errors import ObstacleError, SurfaceError
 from quasirigid.models import bottle, cylinder_handle, finger, fingertip, rounded_box
 from shapes import Mesh

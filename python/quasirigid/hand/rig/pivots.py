@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..._sides import sides_of
+from ..._geometry import sides_of
 from ..bend import Bend, moved_by
 from ..regions import digit_of_vertices
 from .joints import DIGITS, JOINTS_OF

@@ -125,5 +125,4 @@ def _skin(shape: HandShape, edge_length: float) -> tuple[Floats, Indices]:
         shape.distance, joints.min(axis=0) - margin, joints.max(axis=0) + margin, step, shape.cut
     )
     body = Body(shape.distance, shape.cut, step=1e-4 * edge_length)
-    vertices, faces, _ = remeshed(vertices, faces, on_cut, body, edge_length)
-    return vertices, faces
+    return remeshed(vertices, faces, on_cut, body, edge_length)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..._arrays import Floats
+from ..._geometry import distance_to_segment
 from ..fingers import TIP_EXPONENT
 from .field import superellipse
 from .skeleton import Digit
@@ -102,11 +103,7 @@ class DigitSkin:
 
     def distance(self, points: Floats) -> Floats:
         """Return the distance (n,) in m to the skin, nearly, negative inside; far away a lower bound."""
-        start, end = self.origin, self.end
-        way = points - start
-        share = np.clip(way @ (end - start) / ((end - start) @ (end - start)), 0.0, 1.0)
-        way -= share[:, None] * (end - start)
-        distance: Floats = np.sqrt((way**2).sum(axis=1)) - THICKEST * self.breadth
+        distance = distance_to_segment(points, self.origin, self.end) - THICKEST * self.breadth
         near = np.flatnonzero(distance < NEAR * self.breadth)
         distance[near] = self._near(points[near])
         return distance

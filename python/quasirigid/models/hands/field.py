@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..._arrays import Floats
+from ..._geometry import distance_to_segment
 
 __all__ = ["ellipsoid", "sheet", "smooth_union", "superellipse"]
 
@@ -44,8 +45,6 @@ def sheet(points: Floats, corners: Floats, thickness: float) -> Floats:
     inside = np.ones(len(points), dtype=bool)
     nearest = np.full(len(points), np.inf)
     for start, end in ((a, b), (b, c), (c, a)):
-        edge, way = end - start, points - start
-        share = np.clip(way @ edge / (edge @ edge), 0.0, 1.0)
-        nearest = np.minimum(nearest, np.linalg.norm(way - share[:, None] * edge, axis=1))
-        inside &= way @ np.cross(normal, edge) >= 0.0
+        nearest = np.minimum(nearest, distance_to_segment(points, start, end))
+        inside &= (points - start) @ np.cross(normal, end - start) >= 0.0
     return np.where(inside, np.abs((points - a) @ normal), nearest) - thickness

@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..._arrays import Floats, Indices
+from ..._geometry import distance_to_segment
 from ...hand.rig.joints import WEBXR_25
 from .shape import HandShape
 
@@ -76,12 +77,7 @@ def _webs(shape: HandShape) -> Floats:
 
 def _shares(points: Floats, shape: HandShape) -> Floats:
     """Return the metacarpals' shares (n, 5), those of the nearest largest."""
-    distances = []
-    for digit in shape.skeleton.digits:
-        base, knuckle = digit.joints[:2]
-        bone, way = knuckle - base, points - base
-        share = np.clip(way @ bone / (bone @ bone), 0.0, 1.0)
-        distances.append(np.linalg.norm(way - share[:, None] * bone, axis=1))
+    distances = [distance_to_segment(points, *digit.joints[:2]) for digit in shape.skeleton.digits]
     thumb, fingers = distances[0], np.stack(distances[1:], axis=1)
     nearest = fingers.min(axis=1)
     shares: Floats = np.exp(-(fingers - nearest[:, None]) / (REACH * shape.across))

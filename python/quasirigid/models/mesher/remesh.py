@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..._arrays import Floats, Indices, Mask
+from ..._geometry import face_normals
 from .contour import Distance
 from .topology import Edges, best_of_all, edges_of, neighbours, pairs_of
 
@@ -90,8 +91,8 @@ class _Mesh:
 
 def remeshed(
     vertices: Floats, faces: Indices, on_cut: Mask, body: Body, edge_length: float
-) -> tuple[Floats, Indices, Indices]:
-    """Return vertices, faces and the vertices' kinds of a mesh with edges near `edge_length` (m)."""
+) -> tuple[Floats, Indices]:
+    """Return vertices and faces of a mesh with edges near `edge_length` (m)."""
     mesh = _Mesh(vertices, faces, on_cut, edges_of(faces, len(vertices)), np.zeros(0, dtype=np.int64))
     mesh.renew()
     for number in range(ROUNDS):
@@ -106,13 +107,7 @@ def remeshed(
         _flip(mesh, by_valence=False)
         _relax(mesh, body)
     mesh.vertices = body.project(mesh.vertices, mesh.kinds, steps=2)
-    return mesh.vertices, mesh.faces, mesh.kinds
-
-
-def normals_of(vertices: Floats, faces: Indices) -> Floats:
-    """Return twice the area vectors (m, 3) of faces."""
-    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
-    return np.cross(b - a, c - a)
+    return mesh.vertices, mesh.faces
 
 
 def _split(mesh: _Mesh, longest: float, body: Body) -> None:
@@ -307,7 +302,7 @@ def _relax(mesh: _Mesh, body: Body) -> None:
     degree = np.bincount(ends, minlength=count)
     middle = _summed(ends, others, count) / degree[:, None]
     # Normals of the skin: the cut has no say at the rim.
-    areas = np.where(mesh.on_cut[:, None], 0.0, normals_of(mesh.vertices, mesh.faces))
+    areas = np.where(mesh.on_cut[:, None], 0.0, face_normals(mesh.vertices, mesh.faces))
     normals = _summed(mesh.faces.T.ravel(), np.tile(areas, (3, 1)), count)
     normals[rim, 1] = 0.0
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
