@@ -58,12 +58,16 @@ pub fn small_problem(noise: &mut Noise, largest: usize) -> (Mat<f64>, Vec<f64>, 
         }
         _ => (Mat::from_fn(n, n, |_, _| noise.integer(1)), "signs"),
     };
-    let q = match noise.below(3) {
+    (m, any_q(noise, n), kind)
+}
+
+/// A q of real numbers, of small integers or of -1 alone.
+pub fn any_q(noise: &mut Noise, n: usize) -> Vec<f64> {
+    match noise.below(3) {
         0 => (0..n).map(|_| noise.value()).collect(),
         1 => (0..n).map(|_| noise.integer(2)).collect(),
         _ => vec![-1.0; n],
-    };
-    (m, q, kind)
+    }
 }
 
 /// Kinds for which theory promises that a ray means that there is no solution.

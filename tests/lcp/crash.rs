@@ -5,7 +5,7 @@ use quasirigid::lcp::{
     LcpMethod, LcpMethodName, LcpOptions, LcpStatus, LemkeOptions, RayConclusion, StartingBasis,
 };
 
-use crate::problems::{Noise, grid_contact};
+use crate::problems::{Noise, any_q, grid_contact};
 use crate::{assert_solves, run, run_path, run_with};
 
 /// Problems of more than a handful of unknowns, with what a ray would mean.
@@ -26,12 +26,7 @@ fn larger_problem(noise: &mut Noise, case: usize) -> (Mat<f64>, Vec<f64>, &'stat
         7 => (Mat::from_fn(n, n, |_, _| noise.integer(2)), "small integers"),
         _ => (&g + &identity * 2.0, "any"),
     };
-    let q = match noise.below(3) {
-        0 => (0..n).map(|_| noise.value()).collect(),
-        1 => (0..n).map(|_| noise.integer(2)).collect(),
-        _ => vec![-1.0; n],
-    };
-    (m, q, kind)
+    (m, any_q(noise, n), kind)
 }
 
 #[test]

@@ -4,7 +4,7 @@ use nalgebra::{Rotation3, Vector3};
 use quasirigid::obstacle::{FirstTouch, Obstacle, ObstacleError};
 
 use crate::common::{Mesh, Random, data_dir, flipped, icosphere, joined, read_ply};
-use crate::{mesh_obstacle, v};
+use crate::{box_mesh, mesh_obstacle, primitives, v};
 
 fn touch(obstacle: &Obstacle, points: &[Vector3<f64>], direction: Vector3<f64>) -> Option<FirstTouch> {
     obstacle.first_touch(points, &direction).expect("a sound question")
@@ -117,13 +117,8 @@ fn lines_through_edges_and_vertices_of_a_mesh_do_not_slip_through() {
     }
     assert_eq!(touch(&obstacle, &[v(0.5, 0.5 + 1e-15, 5.0)], Vector3::z()), None);
     // Faces seen edge on: the sides of a box, met by lines within them.
-    let corner = |i: usize| v((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64);
-    #[rustfmt::skip]
-    let faces = vec![
-        [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4],
-        [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5],
-    ];
-    let cube = mesh_obstacle(((0..8).map(corner).collect(), faces));
+    let (vertices, faces) = box_mesh(v(0.5, 0.5, 0.5));
+    let cube = mesh_obstacle((vertices.iter().map(|vertex| vertex + v(0.5, 0.5, 0.5)).collect(), faces));
     for (x, y) in [(0.0, 0.0), (1.0, 1.0), (0.0, 0.3), (0.7, 1.0), (0.5, 0.5), (0.25, 0.25)] {
         assert_eq!(touch(&cube, &[v(x, y, 3.0)], Vector3::z()).map(|t| t.travel), Some(2.0), "{x} {y}");
         assert_eq!(touch(&cube, &[v(x, y, 3.0)], -Vector3::z()).map(|t| t.travel), Some(-3.0), "{x} {y}");
@@ -143,16 +138,11 @@ fn of_points_met_together_the_first_is_named() {
 #[test]
 fn at_the_travel_found_nothing_is_inside() {
     let mut random = Random(1);
-    let obstacles = [
-        Obstacle::sphere(v(0.1, -0.2, 0.3), 0.4).unwrap(),
-        Obstacle::cuboid(v(0.3, 0.2, 0.5)).unwrap(),
-        Obstacle::capsule(v(-0.3, 0.1, 0.0), v(0.4, 0.2, 0.2), 0.2).unwrap(),
-        Obstacle::cylinder(0.4, 0.3).unwrap(),
-        mesh_obstacle(octahedron(0.4)),
-        mesh_obstacle(icosphere(0.4, 3)),
-    ];
+    let meshes = [octahedron(0.4), icosphere(0.4, 3)].map(mesh_obstacle);
+    // A half-space is met along its normal alone.
+    let bounded = primitives().into_iter().filter(|primitive| primitive.kind() != "half_space");
     let mut met = 0;
-    for obstacle in &obstacles {
+    for obstacle in bounded.chain(meshes) {
         for _ in 0..60 {
             let mut any = || Vector3::from_fn(|_, _| 2.0 * random.next() - 1.0);
             let turn = Rotation3::new(any() * 3.0);
