@@ -17,7 +17,7 @@ from ..skin import Body, Skin
 from ..skin.progress import as_progress
 from ..surface import Surface
 from .bones import fitted
-from .grasp.crossings import crossing_parts, in_words
+from .crossings import crossing_parts, in_words
 from .kept import kept
 from .regions import digit_of_vertices
 from .rig.frames import unit

@@ -14,7 +14,7 @@ from .._core import __version__
 from .._extras import need_matplotlib
 from .._text import aligned
 from .._units import KPA, MM
-from ..hand.grasp.crossings import in_words
+from ..hand.crossings import in_words
 from ..hand.rig.joints import DIGITS
 from .atomic import json_bytes, png_bytes, write_files
 from .record import as_plain, figure, figures, inputs_record, patch_figures

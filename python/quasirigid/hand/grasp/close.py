@@ -16,10 +16,10 @@ from ...errors import HandError, QuasirigidWarning, SizeWarning
 from ...scene import as_obstacle
 from ...skin import Body, GivenMatrix, Skin
 from ...skin.progress import Progress, as_progress
+from ..crossings import in_words
 from ..hand import Hand
 from ..rig.joints import DIGITS, index_of
 from .closing import Closing
-from .crossings import in_words
 from .grasp import Grasp
 from .hold import Hold
 
