@@ -9,7 +9,6 @@ import numpy as np
 
 from ..._arrays import Floats
 from ...lcp import LcpMethod, LcpStatus, solve_lcp
-from ..memo import remembered
 from .case import Case, Outcome, holds, near
 from .problems import Problem, all_in_contact, infeasible, problems
 
@@ -47,12 +46,6 @@ def lcp_cases() -> Iterator[Case]:
             yield Case(group="LCP", name=name, judge=judge, quick=count == 500)
 
 
-@remembered
-def _large(count: int) -> Problem:
-    # The matrix of the largest takes 200 MB.
-    return all_in_contact(count)
-
-
 def natural_residual(matrix: Floats, vector: Floats, z: Floats) -> float:
     """Return ``max |min(M_ii z_i, w_i)| / max(-q)``, in extended precision where the machine has it.
 
@@ -71,7 +64,7 @@ def natural_residual(matrix: Floats, vector: Floats, z: Floats) -> float:
 
 
 def _judge_large(count: int, method: LcpMethod) -> Outcome:
-    return _judge(_large(count), method)
+    return _judge(all_in_contact(count), method)
 
 
 def _judge(problem: Problem, method: LcpMethod) -> Outcome:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..._arrays import Floats
+from ..memo import remembered
 
 __all__ = ["Problem", "all_in_contact", "infeasible", "problems"]
 
@@ -162,6 +163,7 @@ def infeasible() -> Iterator[Problem]:
         )
 
 
+@remembered  # the matrix of the largest takes 200 MB
 def all_in_contact(count: int) -> Problem:
     """Return a problem whose every unknown is above 0, its matrix falling off along a line."""
     place = np.arange(count) / 20.0
