@@ -111,20 +111,19 @@ pub(super) fn label_components(across: &[[u32; 3]]) -> (Vec<u32>, Vec<bool>) {
 
 /// Follows the borders of a mesh without pinched vertices.
 pub(super) fn boundary_loops(faces: &[[u32; 3]], across: &[[u32; 3]], vertex_count: usize) -> Vec<Vec<u32>> {
+    let sides = faces.iter().zip(across).flat_map(|(corners, others)| {
+        (0..3).filter(|&k| others[k] == NO_FACE).map(|k| [corners[k], corners[(k + 1) % 3]])
+    });
+    loops_of(sides, vertex_count)
+}
+
+/// The loops of directed edges, of which one at most leaves a vertex; each from its lowest vertex.
+pub(crate) fn loops_of(edges: impl Iterator<Item = [u32; 2]>, vertex_count: usize) -> Vec<Vec<u32>> {
     let none = u32::MAX;
     let mut next = vec![none; vertex_count];
-    let mut starts = Vec::new();
-    for (corners, others) in faces.iter().zip(across) {
-        for k in 0..3 {
-            if others[k] == NO_FACE {
-                next[corners[k] as usize] = corners[(k + 1) % 3];
-                starts.push(corners[k]);
-            }
-        }
-    }
-    starts.sort_unstable();
+    edges.for_each(|[from, to]| next[from as usize] = to);
     let mut loops = Vec::new();
-    for start in starts {
+    for start in 0..vertex_count as u32 {
         let mut cycle = Vec::new();
         let mut vertex = start;
         while next[vertex as usize] != none {

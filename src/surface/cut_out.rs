@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use nalgebra::Vector3;
 
 use crate::geometry::face_tree::find_crossings;
+use crate::mesh::topology::loops_of;
 use crate::surface::checked::{Surface, SurfaceError};
 use crate::surface::rim::add_cap;
 
@@ -201,11 +202,12 @@ fn at_rim(skin: &Surface, kept: &[usize], cut: &CutOut, faces: &[usize]) -> Vec<
 
 /// The kept faces closed by caps; `None` where they have no border.
 fn closed(skin: &Surface, kept: &[bool]) -> Result<Option<CutOut>, CutOutError> {
-    let loops = border_loops(skin, kept);
+    let vertex_count = skin.vertices().len();
+    // In the direction of the caps' faces, against that of the kept faces.
+    let loops = loops_of(border_edges(skin, kept).map(|[a, b]| [b, a]), vertex_count);
     if loops.is_empty() {
         return Ok(None);
     }
-    let vertex_count = skin.vertices().len();
 
     let mut part_vertices = vec![None; vertex_count];
     let kept_faces = || skin.faces().iter().zip(kept).filter(|(_, kept)| **kept).map(|(face, _)| face);
@@ -288,25 +290,4 @@ fn border_edges<'a>(skin: &'a Surface, kept: &'a [bool]) -> impl Iterator<Item =
     edges
         .filter(|&(face, edge)| !skin.topology().across(face, edge).is_some_and(|next| kept[next]))
         .map(|(face, edge)| [skin.faces()[face][edge], skin.faces()[face][(edge + 1) % 3]])
-}
-
-/// Border loops in the direction of the caps' faces, against that of the kept faces.
-fn border_loops(skin: &Surface, kept: &[bool]) -> Vec<Vec<u32>> {
-    let before: HashMap<u32, u32> = border_edges(skin, kept).map(|[a, b]| (b, a)).collect();
-    let mut ends: Vec<u32> = before.keys().copied().collect();
-    ends.sort_unstable();
-    let mut seen = std::collections::HashSet::new();
-    let mut loops = Vec::new();
-    for start in ends {
-        let mut border = Vec::new();
-        let mut vertex = start;
-        while seen.insert(vertex) {
-            border.push(vertex);
-            vertex = before[&vertex];
-        }
-        if !border.is_empty() {
-            loops.push(border);
-        }
-    }
-    loops
 }
