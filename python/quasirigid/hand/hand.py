@@ -21,7 +21,7 @@ from .posed import PosedHand
 from .regions import regions_of
 from .rig.frames import side_of
 from .rig.joints import index_of, length_of
-from .rig.kinematics import mirrored_frames, motions_of, moved_frames
+from .rig.kinematics import mirrored_frames, motions_of, rigid_motion
 from .rig.pivots import pivots_of
 
 if TYPE_CHECKING:
@@ -235,7 +235,7 @@ class Hand(Frozen):
         origin. Weights that change so fast that a hinge bent by a right angle would turn
         skin over at its crease are smoothed there.
         """
-        placed = moved_frames(np.eye(4)[None], rotation, translation, HandError)[0]
+        placed = rigid_motion(rotation, translation)
         motions, frames = motions_of(self.rest, self._pivots, self.parents, turns_of(pose, self), placed)
         surface = self._influence.posed(self.surface, motions, linear=as_boolean("linear", linear))
         return PosedHand(hand=self, surface=surface, joints=frames, motions=motions)
@@ -257,7 +257,7 @@ class Hand(Frozen):
         TypeError
             Both a (4, 4) matrix and a translation.
         """
-        frames = moved_frames(self.rest, rotation, translation, HandError)
+        frames = rigid_motion(rotation, translation) @ self.rest
         # The motion of every joint is that of the first.
         motion = frames[0] @ np.linalg.inv(self.rest[0])
         return self._with(self.surface.vertices @ motion[:3, :3].T + motion[:3, 3], frames)

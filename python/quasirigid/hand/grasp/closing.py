@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..._arrays import Floats
-from ...errors import HandError
 from ..pose import turns_of
 from ..regions import digit_of_vertices
 from ..rig.joints import DIGIT_OF, DIGITS, REFERENCE_LENGTH
-from ..rig.kinematics import motions_of, moved_frames
+from ..rig.kinematics import motions_of, rigid_motion
 from ..rig.rotations import between
 
 if TYPE_CHECKING:
@@ -66,7 +65,7 @@ class Closing:
         translation: ArrayLike | None,
     ) -> None:
         self._hand = hand
-        self._placed = moved_frames(np.eye(4)[None], rotation, translation, HandError)[0]
+        self._placed = rigid_motion(rotation, translation)
         self._open, self._first, self._last = (turns_of(pose, hand) for pose in ("open", start, end))
         self._digit = np.array(
             [DIGITS.index(DIGIT_OF[name]) if name in DIGIT_OF else -1 for name in hand.joint_names]

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..._arrays import Floats
-from ..._check import Refusal, as_vector, reals_or_empty, short
+from ..._check import as_vector, reals_or_empty, short
+from ...errors import HandError
 from .rotations import to_matrices
 
 if TYPE_CHECKING:
@@ -64,15 +65,15 @@ def inverse_motions(motions: Floats) -> Floats:
     return inverse
 
 
-def moved_frames(
-    frames: Floats, rotation: ArrayLike | None, translation: ArrayLike | None, refusal: Refusal
-) -> Floats:
-    """Return frames (k, 4, 4) after a rotation (3, 3) and a translation (3,) (m), or a motion (4, 4).
+def rigid_motion(rotation: ArrayLike | None, translation: ArrayLike | None) -> Floats:
+    """Return the motion (4, 4) of a rotation (3, 3) and a translation (3,) (m), or of a motion (4, 4).
 
     Raises
     ------
     TypeError
-        If both a motion and a translation are given; a `refusal` of what is no rotation or no translation.
+        If both a motion and a translation are given.
+    HandError
+        If what is given is no rotation or no translation.
     """
     motion = np.eye(4)
     if rotation is not None:
@@ -82,25 +83,25 @@ def moved_frames(
                 raise TypeError(
                     "`rotation` has shape (4, 4) and holds a translation: leave out `translation`"
                 )
-            motion[:3, 3], matrix = as_vector("rotation[:3, 3]", matrix[:3, 3], refusal), matrix[:3, :3]
+            motion[:3, 3], matrix = as_vector("rotation[:3, 3]", matrix[:3, 3], HandError), matrix[:3, :3]
         if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
-            raise refusal(
+            raise HandError(
                 f"rotation is {short(rotation)}, expected a (3, 3) rotation matrix or a (4, 4) rigid motion,"
                 " of finite numbers"
             )
         deviation = np.abs(matrix.T @ matrix - np.eye(3)).max()
         if deviation > _ROTATION_TOLERANCE:
-            raise refusal(
+            raise HandError(
                 f"rotation must be orthonormal to {_ROTATION_TOLERANCE:g}, but |R'R - I| reaches"
                 f" {deviation:.3g}"
             )
         determinant = np.linalg.det(matrix)
         if determinant < 0.0:
-            raise refusal(f"rotation is a reflection (determinant {determinant:.3g})")
+            raise HandError(f"rotation is a reflection (determinant {determinant:.3g})")
         motion[:3, :3] = matrix
     if translation is not None:
-        motion[:3, 3] = as_vector("translation", translation, refusal)
-    return motion @ frames
+        motion[:3, 3] = as_vector("translation", translation, HandError)
+    return motion
 
 
 def mirrored_frames(frames: Floats) -> Floats:
