@@ -7,8 +7,8 @@ use quasirigid::contact::{
 use quasirigid::obstacle::Obstacle;
 use quasirigid::surface::Surface;
 
-use crate::common::icosphere;
-use crate::{UP, half_space, plate};
+use crate::common::{galerkin, icosphere};
+use crate::{UP, ball, half_space, plate};
 
 /// Distance of the balls from the origin (m).
 const ARM: f64 = 0.03;
@@ -142,6 +142,30 @@ fn a_force_that_finds_no_balance_is_told_and_no_depth_advised() {
     assert!(matches!(error, ContactError::NotBalanced { asked: Some(0.25), .. }), "{error:?}");
     let told = error.to_string();
     assert!(told.contains("where 0.25 N is asked for") && !told.contains("deeper"), "{told}");
+}
+
+/// Averaged gaps of triangles as large as the contact are open where one vertex is inside.
+#[test]
+fn a_mesh_too_coarse_to_carry_force_is_refined_before_the_obstacle_turns() {
+    let surface = ball(8e-3, 2);
+    let (vertices, faces) = icosphere(20e-3, 3);
+    let below = vertices.iter().map(|vertex| vertex - Vector3::new(0.0, 0.0, 20e-3)).collect();
+    let product = Obstacle::mesh(below, faces, &Default::default()).expect("a closed mesh");
+    let tilt = Tilt { point: Vector3::new(1e-4, 0.0, 0.0), axes: TiltAxes::One(Vector3::y()) };
+    let push = |balance, options: &ContactOptions| {
+        let upwards = Press { direction: UP, goal: Goal::Depth(1e-4), start: Start::Infinity, balance };
+        press(&surface, &product, &galerkin(), &upwards, options)
+    };
+    let given = ContactOptions::on_given_mesh();
+    let upright = push(Balance::None, &given).expect("a contact");
+    assert!(upright.resultant.force.norm() == 0.0 && upright.max_penetration_before > 0.0);
+    let error = push(Balance::Tilt(tilt), &given).expect_err("nothing to balance");
+    assert!(error.to_string().contains("as the mesh is coarser than the contact"), "{error}");
+
+    let settled = push(Balance::Tilt(tilt), &ContactOptions::default());
+    let settled = settled.unwrap_or_else(|error| panic!("{error}"));
+    let (left, scale) = moment(&settled, tilt.point.x);
+    assert!(scale > 0.0 && left.abs() < 1e-6 * scale, "{left} of {scale}");
 }
 
 #[test]

@@ -81,7 +81,9 @@ impl Tilted<'_> {
         let kept = KeptSkin::new(on.setup.skin);
         let mut turns = Turns::new(self, on, &kept, &first, &from.angles)?;
         let past = turns.past();
-        if first.status != ContactStatus::Solved || past <= 0.0 {
+        // On a mesh as coarse as the contact nothing may carry force: there is nothing to be balanced yet.
+        let is_loaded = first.status == ContactStatus::Solved && first.resultant.force.norm() > 0.0;
+        if !is_loaded || past <= 0.0 {
             return Ok((first, Searched { hint: from, why: None }));
         }
         let mut timings = std::mem::take(&mut first.timings);
@@ -211,14 +213,18 @@ impl MeshSearch for Tilted<'_> {
     }
 
     fn missed(&self, contact: Contact, posture: &Posture, why: String) -> ContactError {
-        let has_left = contact.resultant.force.norm() == 0.0;
+        let why = match contact.status {
+            _ if contact.resultant.force.norm() > 0.0 => why,
+            ContactStatus::NoContact => "it has left the skin".to_string(),
+            _ => "nothing carries force there, as the mesh is coarser than the contact".to_string(),
+        };
         ContactError::NotBalanced {
             point: self.point_at(&contact).into(),
             moment: DVector::from_vec(self.moments(&contact)).norm(),
             force: contact.resultant.force.dot(&self.setup.approach.direction),
             asked: self.force(),
             angle: self.turned_by(&posture.angles).rotation.angle(),
-            why: if has_left { "it has left the skin".to_string() } else { why },
+            why,
             contact: PressedContact(Box::new(contact)),
         }
     }
