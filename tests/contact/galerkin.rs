@@ -97,6 +97,32 @@ fn an_obstacle_between_the_vertices_is_met_as_in_collocation_and_called_too_smal
     }
 }
 
+/// Where no average is closed nothing moves, whichever vertices the response looks at.
+#[test]
+fn a_tip_between_the_vertices_of_a_layer_stays_in_it_until_the_mesh_is_refined() {
+    let surface = ball(8e-3, 2);
+    let middle =
+        |face: &[u32; 3]| face.iter().map(|&v| surface.vertices()[v as usize]).sum::<Vector3<f64>>() / 3.0;
+    let middles = surface.faces().iter().map(middle);
+    let lowest = middles.min_by(|a, b| a.z.total_cmp(&b.z)).expect("some faces");
+    let tip = Obstacle::sphere(Vector3::new(lowest.x, lowest.y, -0.01), 1e-3).expect("a sphere");
+    let collocation = skin(Kernel::Layer { thickness: 4e-3.into() });
+    let layer = collocation.clone().with_discretization(Discretization::Galerkin).expect("a layer has it");
+    for depth in [1e-6, 1e-5] {
+        let given = press_up(&surface, &tip, &layer, depth);
+        assert_eq!(given.resultant.force, Vector3::zeros());
+        assert_eq!(given.max_penetration_after, given.max_penetration_before);
+        assert!(given.warnings[0].message.contains("refine the mesh"), "{:?}", given.warnings);
+
+        let [averaged, pointwise] = [&layer, &collocation].map(|skin| {
+            let options = ContactOptions::default();
+            pressed(&surface, &tip, skin, Goal::Depth(depth), &options).resultant.force.z
+        });
+        // Each to the target of 2 %.
+        assert_relative_eq!(averaged, pointwise, max_relative = 0.04);
+    }
+}
+
 #[test]
 fn skin_that_folds_around_a_rod_presses_as_in_collocation() {
     let (mut vertices, faces) = icosphere(8e-3, 3);

@@ -54,8 +54,8 @@ pub(crate) fn penetration_after(
     motion: &CandidateMotion,
     beside: &Beside,
 ) -> Result<Penetration, ContactError> {
-    if forces.candidates.is_empty() {
-        // Nothing has moved.
+    if forces.active.is_empty() {
+        // Nothing has moved, and an obstacle that stands between the vertices alone is in none of them.
         let depth = gaps.deepest();
         return Ok(Penetration {
             depth,
