@@ -152,20 +152,26 @@ fn a_mesh_too_coarse_to_carry_force_is_refined_before_the_obstacle_turns() {
     let below = vertices.iter().map(|vertex| vertex - Vector3::new(0.0, 0.0, 20e-3)).collect();
     let product = Obstacle::mesh(below, faces, &Default::default()).expect("a closed mesh");
     let tilt = Tilt { point: Vector3::new(1e-4, 0.0, 0.0), axes: TiltAxes::One(Vector3::y()) };
-    let push = |balance, options: &ContactOptions| {
-        let upwards = Press { direction: UP, goal: Goal::Depth(1e-4), start: Start::Infinity, balance };
+    let push = |goal, balance, options: &ContactOptions| {
+        let upwards = Press { direction: UP, goal, start: Start::Infinity, balance };
         press(&surface, &product, &galerkin(), &upwards, options)
     };
     let given = ContactOptions::on_given_mesh();
-    let upright = push(Balance::None, &given).expect("a contact");
+    let upright = push(Goal::Depth(1e-4), Balance::None, &given).expect("a contact");
     assert!(upright.resultant.force.norm() == 0.0 && upright.max_penetration_before > 0.0);
-    let error = push(Balance::Tilt(tilt), &given).expect_err("nothing to balance");
+    let error = push(Goal::Depth(1e-4), Balance::Tilt(tilt), &given).expect_err("nothing to balance");
     assert!(error.to_string().contains("as the mesh is coarser than the contact"), "{error}");
 
-    let settled = push(Balance::Tilt(tilt), &ContactOptions::default());
-    let settled = settled.unwrap_or_else(|error| panic!("{error}"));
-    let (left, scale) = moment(&settled, tilt.point.x);
-    assert!(scale > 0.0 && left.abs() < 1e-6 * scale, "{left} of {scale}");
+    // On the given mesh the force jumps from nothing to more than that.
+    for goal in [Goal::Depth(1e-4), Goal::Force(1e-3)] {
+        let settled = push(goal, Balance::Tilt(tilt), &ContactOptions::default());
+        let settled = settled.unwrap_or_else(|error| panic!("{error}"));
+        let (left, scale) = moment(&settled, tilt.point.x);
+        assert!(scale > 0.0 && left.abs() < 1e-6 * scale, "{left} of {scale}");
+        if let Goal::Force(force) = goal {
+            assert!((settled.resultant.force.z / force - 1.0).abs() < 1e-6);
+        }
+    }
 }
 
 #[test]

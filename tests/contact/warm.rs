@@ -9,7 +9,7 @@ use quasirigid::reference::{Hertz, contact_modulus};
 use quasirigid::surface::Surface;
 
 use crate::common::{Random, joined, surface};
-use crate::{POISSON_RATIO, SHEAR_MODULUS, ball, half_space, plate, pressed, upwards};
+use crate::{POISSON_RATIO, SHEAR_MODULUS, ball, galerkin, half_space, plate, pressed, upwards};
 
 const RADIUS: f64 = 8e-3;
 
@@ -44,6 +44,24 @@ fn a_press_goes_on_on_the_mesh_before_and_keeps_to_hertz() {
             hertz.force(depth),
             max_relative = error + depth / RADIUS
         );
+    }
+}
+
+/// Averaged gaps of a coarse mesh close late and all at once.
+#[test]
+fn a_force_that_a_coarse_mesh_jumps_over_is_reached_on_a_finer_one() {
+    let surface = ball(RADIUS, 2);
+    let mut before = WarmStart::default();
+    for force in [1e-3, 2e-3] {
+        let asked = upwards(Goal::Force(force));
+        let options = ContactOptions::default();
+        let contact = press_after(&surface, &plate(), &galerkin(), &asked, &options, &mut before);
+        let contact = contact.unwrap_or_else(|error| panic!("{error}"));
+        assert_relative_eq!(contact.resultant.force.z, force, max_relative = 1e-6);
+        let pointwise = alone(&surface, Goal::Depth(contact.depth.expect("a press")));
+        let errors = [&contact, &pointwise].map(|one| one.accuracy.force_error.expect("an estimate"));
+        assert!(errors.iter().all(|&error| error <= 0.02), "{errors:?}");
+        assert_relative_eq!(pointwise.resultant.force.z, force, max_relative = errors[0] + errors[1]);
     }
 }
 

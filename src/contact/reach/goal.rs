@@ -27,12 +27,12 @@ pub(crate) fn reach(setup: Setup, target: Target) -> Result<Contact, ContactErro
     Task { setup, target }.run()
 }
 
-/// The contact on the given mesh that reaches the target.
+/// The contact on the given mesh that reaches the target, or jumps over it where a finer mesh follows.
 pub(crate) fn reach_on(on_given: &OnMesh, target: Target) -> Result<Contact, ContactError> {
     let task = Task { setup: on_given.setup, target };
     let started = Instant::now();
-    match task.search_on(on_given)? {
-        Reached::Goal { contact, power } => task.unless_missed(contact, &power),
+    match task.begin_on(on_given)? {
+        Reached::Goal { contact, .. } => Ok(contact),
         Reached::Short { contact, why, .. } => {
             let placement = task.setup.at(contact.pressed_depth());
             let contact = end_unrefined(contact, started, placement, task.setup.skin)?;
@@ -45,18 +45,26 @@ impl Task<'_> {
     fn run(&self) -> Result<Contact, ContactError> {
         let started = Instant::now();
         let on_given = OnMesh::given(self.setup)?;
-        let power = self.target.quantity.power();
-        let (contact, found) = match self.search_on(&on_given)? {
+        let (contact, found) = match self.begin_on(&on_given)? {
             Reached::Goal { contact, power } => (contact, Searched { hint: power, why: None }),
-            // What a coarse mesh jumps over a finer one may not.
+            Reached::Short { contact, why, .. } => {
+                let power = self.target.quantity.power();
+                (contact, Searched { hint: power, why: Some(why) })
+            }
+        };
+        search_on_refined(self, &on_given, started, contact, found)
+    }
+
+    /// The search on the given mesh, where another follows on a finer one: what a coarse mesh jumps over that may not.
+    fn begin_on(&self, on_given: &OnMesh) -> Result<Reached, ContactError> {
+        match self.search_on(on_given)? {
             Reached::Short { contact, above: Some(above), .. } if self.setup.may_refine()? => {
                 let mut beyond = on_given.solve(above)?;
                 add_timings(&mut beyond.timings, &contact.timings);
-                (beyond, Searched { hint: power, why: None })
+                Ok(Reached::Goal { contact: beyond, power: self.target.quantity.power() })
             }
-            Reached::Short { contact, why, .. } => (contact, Searched { hint: power, why: Some(why) }),
-        };
-        search_on_refined(self, &on_given, started, contact, found)
+            reached => Ok(reached),
+        }
     }
 
     /// The search on the given mesh.
