@@ -52,6 +52,10 @@ pub(crate) struct LoadedEdge {
     pub held: Vec<usize>,
     /// How deep each of them is in the undeformed obstacle (m).
     pub depth: Vec<f64>,
+    /// Half the breadth of what stands in the undeformed skin at each of them over its depth there.
+    pub spread: Vec<f64>,
+    /// Length of edge under force (m).
+    pub length: f64,
     /// Breadth of the skin that the mesh holds on it, in cells: one where vertices lie on the edge, two where the edge runs
     /// between two rows of them.
     pub cells: f64,

@@ -91,7 +91,7 @@ impl Contact {
         let edge = LoadedEdge::of_obstacle(gaps, &forces);
         let skin_edge = LoadedEdge::of_skin(gaps, &forces);
         report.note_edges(edge.as_ref().map(|edge| edge.ends).or(on_edges.ends), skin_edge.as_ref());
-        let is_blunt = |&vertex: &usize| gaps.line_at(vertex).is_some_and(|line| !line.is_sharp);
+        let is_blunt = |&vertex: &usize| gaps.line_at(vertex).is_some_and(|line| line.faces.is_none());
         let clues = Clues {
             deepest: gaps.deepest_vertex,
             area_within_rim: within_rim.iter().sum(),

@@ -38,7 +38,8 @@ class ContactOptions:
         the mesh is refined around the contact until then. Of several patches the force is what they carry
         each by itself, as in a grasp they balance and little is left in all. On a sharp edge of the product,
         where force and area settle slowly, it ends with a warning once the skin held on the edge is no
-        broader than 2.1 times the depth times the root of the target. None: the mesh is taken as it is.
+        broader than 1.3 depths times the root of the target (1 to 2.1, steep to blunt edges), or as half of
+        `max_nodes` allow. None: the mesh is taken as it is.
     max_nodes : int
         Most contact nodes of a refined mesh.
     gap_tolerance : float

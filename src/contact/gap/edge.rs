@@ -42,8 +42,8 @@ pub(crate) struct SkinPart<'a> {
 pub(crate) struct Line {
     /// Its ends (m).
     pub ends: [Vector3<f64>; 2],
-    /// Whether it is a sharp edge, not the side of a round primitive.
-    pub is_sharp: bool,
+    /// Outward normals of its faces where it is a sharp edge, not the side of a round primitive.
+    pub faces: Option<[Vector3<f64>; 2]>,
 }
 
 /// A line of the obstacle over or under a triangle.
@@ -139,7 +139,7 @@ impl SkinPart<'_> {
             let reach = facet.reach(deepest);
             for edge in tree.leaves(|node| node_bounds(node).meets(&reach)) {
                 let sharp = &edges[edge as usize];
-                let line = Line { ends: sharp.ends, is_sharp: true };
+                let line = Line { ends: sharp.ends, faces: Some(sharp.normals) };
                 let Some(normal) = sharp.between(&facet.inward, with_faces(triangle)) else { continue };
                 found.extend(facet.meeting(triangle, line, normal, deepest).map(|met| (edge, met)));
             }
@@ -212,7 +212,7 @@ impl SkinPart<'_> {
             if nearest.fold(f64::INFINITY, f64::min) > farthest {
                 return None;
             }
-            let met = |ends, normal| facet.meeting(face, Line { ends, is_sharp: false }, normal, deepest);
+            let met = |ends, normal| facet.meeting(face, Line { ends, faces: None }, normal, deepest);
             let own = obstacle.line_towards(&facet.inward).and_then(|ends| met(ends, facet.inward));
             let edges = obstacle.blunt_edges(&facet.inward, facet.under(deepest)).into_iter();
             let of_mesh = edges.filter_map(|edge| met(edge.ends, edge.between(&facet.inward, false)?));

@@ -69,7 +69,7 @@ impl SkinPart<'_> {
             let part = ((deepest - gap) / (SHALLOWER_SHARE * gap.abs())).clamp(0.0, 1.0);
             for (corner, share) in corners.into_iter().zip(met.shares) {
                 let lent = measured[corner] + part * (gap - measured[corner]);
-                if met.line.is_sharp && share > 1.0 - LEAST_SHARE && met.depth > 0.0 {
+                if met.line.faces.is_some() && share > 1.0 - LEAST_SHARE && met.depth > 0.0 {
                     let on_edge = on_edges.entry(corner).or_insert(OnEdge::new(met.line, measured[corner]));
                     on_edge.gap = on_edge.gap.min(lent);
                     on_edge.normals += met.normal;

@@ -188,7 +188,7 @@ impl Rounds<'_> {
     }
 
     fn wanting(&self) -> Wanting<'_> {
-        Wanting { meshes: &self.meshes, target: self.target }
+        Wanting { meshes: &self.meshes, target: self.target, max_nodes: self.options.max_nodes }
     }
 
     /// The mesh of the next round, or why there is none.

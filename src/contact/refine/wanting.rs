@@ -10,9 +10,12 @@ use crate::contact::refine::mark::{loaded, pressed_between, too_large};
 use crate::contact::refine::meshes::Meshes;
 use crate::surface::refined::RefinedSurface;
 
-/// Breadth of the skin held on a sharp edge with which triangles are as small as it has use for, in the depth times the root of
-/// the target: figures go on changing with the logarithm of the cells there.
-const FINEST_ON_EDGE: f64 = 2.1;
+/// Breadth of the skin held on a sharp edge with which triangles are as small as it has use for, in half the breadth of what
+/// stands in the skin there times the root of the target: figures go on changing with the logarithm of the cells there.
+const FINEST_ON_EDGE: f64 = 1.3;
+/// The same at the least, in the length of the edge over the most nodes times that root: some 20 lengths over the breadth are
+/// nodes, and where these ran out, an edge on a row of vertices had half the triangles of one between two.
+const LEAST_ON_EDGE: f64 = 530.0;
 /// How much broader it may be where an edge has all but left the skin than at its deepest. So few triangles come to be too large
 /// at the same depth, as all would that are halves of one, and those that carry little force are larger.
 const BROADER_AT_ENDS: f64 = 1.0;
@@ -37,6 +40,8 @@ pub(super) struct Wanting<'a> {
     pub meshes: &'a Meshes,
     /// Of the relative error.
     pub target: f64,
+    /// That a contact may have.
+    pub max_nodes: usize,
 }
 
 impl Wanting<'_> {
@@ -78,11 +83,17 @@ impl Wanting<'_> {
             && let Some(edge) = &contact.clues.edge
         {
             let deepest = contact.max_penetration_before;
-            let finest = FINEST_ON_EDGE * self.target.sqrt() * deepest / edge.cells;
-            longest.extend(part.numbers(&edge.held).into_iter().zip(&edge.depth).map(|(vertex, depth)| {
-                let from_deepest = (1.0 - depth / deepest).clamp(0.0, 1.0).sqrt();
-                (vertex, finest * (1.0 + BROADER_AT_ENDS * from_deepest))
-            }));
+            let finest = FINEST_ON_EDGE * deepest;
+            let least = LEAST_ON_EDGE * edge.length / self.max_nodes as f64;
+            let along = edge.depth.iter().zip(&edge.spread);
+            longest.extend(part.numbers(&edge.held).into_iter().zip(along).map(
+                |(vertex, (depth, spread))| {
+                    let from_deepest = (1.0 - depth / deepest).clamp(0.0, 1.0).sqrt();
+                    let broader = 1.0 + BROADER_AT_ENDS * from_deepest;
+                    let breadth = self.target.sqrt() * (finest * spread).max(least) * broader;
+                    (vertex, breadth / edge.cells)
+                },
+            ));
         }
         too_large(&self.meshes.mesh, |vertex| longest.get(&vertex).copied())
     }

@@ -280,8 +280,10 @@ def test_no_more_than_all_of_a_force_on_a_sharp_edge_is_doubted(discretization: 
     fine = qr.press(tip, corner, soft(discretization), UP, depth=1e-3, options=FINE)
     for contact in (coarse, fine):
         assert contact.accuracy.force_error is not None
-        # Too few cells for a tenth: the force is to stay in doubt.
-        assert 0.1 < contact.accuracy.force_error < 1.0
+        assert contact.accuracy.force_error < 1.0
+    # Meshes ten times as fine take another 13 to 20 % off the force by default: it is to stay in doubt.
+    assert coarse.accuracy.force_error is not None
+    assert coarse.accuracy.force_error > 0.1
     assert covers(coarse, fine) == (True, True)
 
 

@@ -135,6 +135,19 @@ def test_the_estimate_on_a_sharp_edge_covers_what_finer_meshes_change(depth: flo
 
 @pytest.mark.filterwarnings("ignore::quasirigid.RefinementWarning")
 @pytest.mark.filterwarnings("ignore::quasirigid.PenetrationWarning")
+@pytest.mark.parametrize("depth", [0.6e-3, 1.2e-3, 2.4e-3])
+def test_the_force_on_a_sharp_edge_is_nearly_that_of_a_wedge_as_broad(depth: float) -> None:
+    upright = Rotation.from_rotvec([np.pi / 4, 0, 0]).as_matrix()
+    edge = qr.Obstacle.box([0.02, 0.02, 0.02]).moved(upright, [1e-3, 3e-4, -0.06])
+    contact = qr.press(qr.Surface(*ball(8e-3, 3)), edge, SKIN, UP, depth=depth)
+    # Johnson 1985, section 5.2: P = E* a cot(alpha) by length, here of 45 degrees.
+    plane_modulus = 2 * SKIN.shear_modulus / (1 - SKIN.poisson_ratio)
+    # Triangles as broad as the contact press with twice that; those for a target of 0.002 with 1.1 times.
+    assert 1 < contact.force[2] / (0.5 * plane_modulus * contact.contact_area) < 1.25
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.RefinementWarning")
+@pytest.mark.filterwarnings("ignore::quasirigid.PenetrationWarning")
 def test_the_force_on_a_sharp_edge_grows_steadily() -> None:
     pad, aslant = jittered_ball(1), math.sqrt(0.5) * np.array([[1, 0, 1], [0, math.sqrt(2), 0], [-1, 0, 1]])
     ridge = qr.Obstacle.box([0.02, 0.05, 0.02]).moved(aslant, [0.3e-3, 0, -0.05])
