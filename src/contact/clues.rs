@@ -52,7 +52,7 @@ pub(crate) struct LoadedEdge {
     pub held: Vec<usize>,
     /// How deep each of them is in the undeformed obstacle (m).
     pub depth: Vec<f64>,
-    /// Half the breadth of what stands in the undeformed skin at each of them over its depth there.
+    /// Half the breadth of the obstacle in the undeformed skin at each of them over its depth there, within bounds.
     pub spread: Vec<f64>,
     /// Length of edge under force (m).
     pub length: f64,

@@ -13,8 +13,9 @@ use crate::surface::refined::RefinedSurface;
 /// Breadth of the skin held on a sharp edge with which triangles are as small as it has use for, in half the breadth of what
 /// stands in the skin there times the root of the target: figures go on changing with the logarithm of the cells there.
 const FINEST_ON_EDGE: f64 = 1.3;
-/// The same at the least, in the length of the edge over the most nodes times that root: some 20 lengths over the breadth are
-/// nodes, and where these ran out, an edge on a row of vertices had half the triangles of one between two.
+/// The same at the least, in the length of the edge over the most nodes times that root, as a contact has some 20 times as many
+/// nodes as its length has breadths: where they ran out, skin with a row of vertices on the edge came to triangles of half the
+/// breadth.
 const LEAST_ON_EDGE: f64 = 530.0;
 /// How much broader it may be where an edge has all but left the skin than at its deepest. So few triangles come to be too large
 /// at the same depth, as all would that are halves of one, and those that carry little force are larger.
