@@ -35,7 +35,7 @@ fn measured(
     let gaps = Gaps::measure(surface, &scene, search_distance)?;
     let mut depths = vec![0.0; surface.vertices().len()];
     for &vertex in &gaps.penetrating {
-        depths[vertex] = -gaps.distances()[vertex];
+        depths[vertex] = -gaps.undeformed()[vertex];
     }
     Ok(depths)
 }

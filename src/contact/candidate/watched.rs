@@ -12,8 +12,7 @@ const RINGS_BESIDE: usize = 2;
 pub(crate) fn watched(gaps: &Gaps) -> Vec<Vec<usize>> {
     let mut near = gaps.surface.k_ring(&gaps.penetrating, RINGS_BESIDE);
     // Nothing moves farther than the deepest.
-    let is_near = |&(_, distance): &(usize, &f64)| *distance < gaps.deepest();
-    near.extend(gaps.distances().iter().enumerate().filter(is_near).map(|(vertex, _)| vertex));
+    near.extend(gaps.nearer_than(gaps.deepest()));
     let known = gaps.scene.inherited.as_ref().map(|inherited| &inherited.fingers);
     let mut by_finger: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
     for vertex in distinct(near) {

@@ -56,7 +56,7 @@ impl NodeForces {
             on_product,
             active: Vec::new(),
             force: vec![0.0; vertex_count],
-            gap: gaps.undeformed(),
+            gap: gaps.undeformed().to_vec(),
             vectors: vec![Vector3::zeros(); vertex_count],
             normal: at_candidates.normal,
             solutions: Vec::new(),

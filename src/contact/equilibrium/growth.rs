@@ -33,26 +33,16 @@ fn pressed_outside(
     let may_touch = gaps.surface.skin_mask();
     // Nothing bulges by as much as it is pressed in elsewhere.
     let highest = gaps.deepest().min(gaps.search_distance);
-    let outside: Vec<usize> = {
-        let distance = gaps.distances();
-        let may_reach = |&vertex: &usize| may_touch[vertex] && distance[vertex] <= highest;
-        let is_other = |vertex: &usize| forces.candidates.binary_search(vertex).is_err();
-        (0..may_touch.len()).filter(may_reach).filter(is_other).collect()
-    };
+    let mut outside = gaps.nearer_than(highest);
+    outside.retain(|vertex| may_touch[*vertex] && forces.candidates.binary_search(vertex).is_err());
     let moved = response.displace_coarsely(forces.applied(), &outside)?;
-    // How far a vertex may sink at the most; the obstacle's normal there may not be known yet.
-    let sinking: Vec<usize> = {
-        let distance = gaps.distances();
-        (0..outside.len()).filter(|&row| distance[outside[row]] < moved[row].norm()).collect()
-    };
-    let vertices: Vec<usize> = sinking.iter().map(|&row| outside[row]).collect();
-    let there = gaps.at(&vertices)?;
+    let there = gaps.at(&outside)?;
     let pressed = PRESSED_SHARE * gaps.deepest();
-    let is_pressed = |index: &usize| {
-        let (moved, normal) = (&moved[sinking[*index]], &there.normal[*index]);
+    let is_pressed = |&row: &usize| {
+        let (moved, normal) = (&moved[row], &there.normal[row]);
         // No force along a side that faces back would press.
-        let is_met = normal.dot(&gaps.way_in(vertices[*index])) >= FACING_BACK;
-        is_met && there.distance[*index] + moved.dot(normal) < -pressed
+        let is_met = normal.dot(&gaps.way_in(outside[row])) >= FACING_BACK;
+        is_met && there.distance[row] + moved.dot(normal) < -pressed
     };
-    Ok((0..sinking.len()).filter(is_pressed).map(|index| vertices[index]).collect())
+    Ok((0..outside.len()).filter(is_pressed).map(|row| outside[row]).collect())
 }

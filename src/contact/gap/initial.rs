@@ -15,6 +15,7 @@ use crate::contact::gap::entry::{Entered, EntryGap, WayIn, measure_entries};
 use crate::contact::gap::look::{look_no_farther, reach_farther};
 use crate::contact::gap::measured::Measured;
 use crate::contact::scene::Scene;
+use crate::mesh::distinct::distinct;
 use crate::obstacle::posed::Obstacle;
 use crate::response::kernel::basis::PressureBasis;
 use crate::surface::checked::Surface;
@@ -30,7 +31,7 @@ const MOST_DOUBLINGS: usize = 4;
 const STEEPEST_COSINE: f64 = 0.25;
 
 /// Initial gap g0 (m) and obstacle normal of the skin's vertices, measured anew where somebody asks beyond the search
-/// distance. A clone shares what the whole skin knows until one of the two learns more.
+/// distance. A clone shares what is known of the undeformed skin until one of the two learns more.
 #[derive(Clone)]
 pub(crate) struct Gaps<'a> {
     pub surface: &'a Surface,
@@ -43,14 +44,12 @@ pub(crate) struct Gaps<'a> {
     pub entry: EntryGap,
     /// Vertices that may touch with g0 < 0, ascending.
     pub penetrating: Vec<usize>,
-    /// As the problem takes them: linearized where the skin was measured after it was deformed.
+    /// Of the undeformed skin.
     measured: RefCell<Rc<Measured>>,
-    /// g0 (n, m) of the undeformed skin, once it differs.
-    undeformed: Option<Rc<[f64]>>,
+    /// Those of vertices that were measured after they were displaced: the problem takes these.
+    planes: HashMap<usize, Plane>,
     /// Vertices whose gap is to a line of the obstacle between them.
     on_lines: BTreeMap<usize, Line>,
-    /// Displacement (m) at which vertices were measured, where that is not 0.
-    shifts: HashMap<usize, Vector3<f64>>,
     /// Share of the force that stood on steep sides; where there is one, vertices keep the plane that they had where they would come
     /// to a steep side from one that is not: linear skin opens like a hole around what goes in deep, and lets it through.
     pub steep_share: Option<f64>,
@@ -58,6 +57,17 @@ pub(crate) struct Gaps<'a> {
     pub deepest_vertex: Option<DeepestVertex>,
     /// g0 (m) averaged against the pressure of a node.
     averaged: RefCell<HashMap<usize, f64>>,
+}
+
+/// The gap of a vertex, linearized where a displacement puts it.
+#[derive(Clone, Copy)]
+struct Plane {
+    /// u (m).
+    displacement: Vector3<f64>,
+    /// g0 (m), as the plane has it at no displacement.
+    distance: f64,
+    /// Outward unit normal of the obstacle.
+    normal: Vector3<f64>,
 }
 
 /// How far skin that stands in overlap with an obstacle looks for it (m).
@@ -118,9 +128,8 @@ impl<'a> Gaps<'a> {
             }),
             penetrating,
             measured: RefCell::new(Rc::new(measured)),
-            undeformed: None,
+            planes: HashMap::new(),
             on_lines,
-            shifts: HashMap::new(),
             steep_share: None,
             averaged: RefCell::default(),
         })
@@ -147,8 +156,23 @@ impl<'a> Gaps<'a> {
     }
 
     /// g0 (n, m) of the undeformed skin as measured so far.
-    pub fn undeformed(&self) -> Vec<f64> {
-        self.undeformed.as_ref().map_or_else(|| self.distances().to_vec(), |undeformed| undeformed.to_vec())
+    pub fn undeformed(&self) -> Ref<'_, [f64]> {
+        Ref::map(self.measured.borrow(), |measured| &measured.distance[..])
+    }
+
+    /// Vertices whose g0 as the problem takes it, measured so far, is less than a limit (m), ascending.
+    pub fn nearer_than(&self, limit: f64) -> Vec<usize> {
+        let undeformed = self.undeformed();
+        let mut near: Vec<usize> =
+            (0..undeformed.len()).filter(|&vertex| undeformed[vertex] < limit).collect();
+        near.retain(|vertex| !self.planes.contains_key(vertex));
+        near.extend(self.planes_below(limit));
+        near.sort_unstable();
+        near
+    }
+
+    fn planes_below(&self, limit: f64) -> impl Iterator<Item = usize> {
+        self.planes.iter().filter(move |(_, plane)| plane.distance < limit).map(|(&vertex, _)| vertex)
     }
 
     /// The line of the obstacle that the gap of a vertex is to, as the undeformed skin met it.
@@ -164,7 +188,7 @@ impl<'a> Gaps<'a> {
 
     /// Displacement (m) at which the gap of a vertex was linearized.
     pub fn linearized_at(&self, vertex: usize) -> Vector3<f64> {
-        self.shifts.get(&vertex).copied().unwrap_or_default()
+        self.planes.get(&vertex).map_or_else(Vector3::zeros, |plane| plane.displacement)
     }
 
     /// Signed distance (m) and normal at vertices after a displacement (m).
@@ -187,49 +211,51 @@ impl<'a> Gaps<'a> {
     ///
     /// * `measured`: [`measured_at`](Self::measured_at)
     pub fn linearize(&mut self, vertices: &[usize], displacement: &[Vector3<f64>], measured: &Measured) {
-        let undeformed =
-            self.undeformed.get_or_insert_with(|| self.measured.borrow().distance.as_slice().into());
-        let known = Rc::make_mut(self.measured.get_mut());
+        let undeformed = self.measured.get_mut();
         for (row, &vertex) in vertices.iter().enumerate() {
-            let normal = measured.normal[row];
+            let (normal, displacement) = (measured.normal[row], displacement[row]);
+            let known = self.planes.get(&vertex).map_or(undeformed.normal[vertex], |plane| plane.normal);
             let cosine = |normal: &Vector3<f64>| -normal.dot(&self.surface.vertex_normals()[vertex]);
-            let would_slip =
-                cosine(&normal) < STEEPEST_COSINE && cosine(&known.normal[vertex]) >= STEEPEST_COSINE;
+            let would_slip = cosine(&normal) < STEEPEST_COSINE && cosine(&known) >= STEEPEST_COSINE;
             if self.steep_share.is_some() && would_slip {
                 continue;
             }
-            known.distance[vertex] = measured.distance[row] - normal.dot(&displacement[row]);
-            known.normal[vertex] = normal;
-            self.shifts.insert(vertex, displacement[row]);
+            let distance = measured.distance[row] - normal.dot(&displacement);
+            self.planes.insert(vertex, Plane { displacement, distance, normal });
         }
         self.averaged.get_mut().clear();
         // What was inside must stay out, wherever a plane at its displacement lies.
-        let is_inside = |&vertex: &usize| {
-            self.surface.skin_mask()[vertex] && undeformed[vertex].min(known.distance[vertex]) < 0.0
-        };
-        self.penetrating = (0..undeformed.len()).filter(is_inside).collect();
-    }
-
-    /// g0 (n, m) as the problem takes them, measured so far.
-    pub fn distances(&self) -> Ref<'_, [f64]> {
-        Ref::map(self.measured.borrow(), |measured| &measured.distance[..])
+        let distance = &undeformed.distance;
+        let was_inside: Vec<usize> = (0..distance.len()).filter(|&vertex| distance[vertex] < 0.0).collect();
+        self.penetrating = distinct(was_inside.into_iter().chain(self.planes_below(0.0)));
+        self.penetrating.retain(|&vertex| self.surface.skin_mask()[vertex]);
     }
 
     /// The point of the obstacle (m) that a vertex was measured from; where it was not, the vertex.
     pub fn foot(&self, vertex: usize) -> Vector3<f64> {
         let measured = self.measured.borrow();
-        let (point, distance) = (self.surface.vertices()[vertex], measured.distance[vertex]);
-        if distance.is_finite() { point - distance * measured.normal[vertex] } else { point }
+        let (distance, normal) = self.known(&measured, vertex);
+        let point = self.surface.vertices()[vertex];
+        if distance.is_finite() { point - distance * normal } else { point }
+    }
+
+    /// g0 (m) and obstacle normal as the problem takes them.
+    fn known(&self, measured: &Measured, vertex: usize) -> (f64, Vector3<f64>) {
+        let undeformed = || (measured.distance[vertex], measured.normal[vertex]);
+        self.planes.get(&vertex).map_or_else(undeformed, |plane| (plane.distance, plane.normal))
     }
 
     /// g0 (m) and obstacle normal of `vertices`, measured without limit where they have not been yet.
     pub fn at(&self, vertices: &[usize]) -> Result<Measured, ContactError> {
-        let missing = self.measured.borrow().missing(vertices);
+        let mut missing = self.measured.borrow().missing(vertices);
+        missing.retain(|vertex| !self.planes.contains_key(vertex));
         if !missing.is_empty() {
             let measured = &mut *self.measured.borrow_mut();
             Rc::make_mut(measured).fill(self.surface.vertices(), &self.scene.obstacle, &missing, None)?;
         }
-        Ok(self.measured.borrow().rows(vertices))
+        let measured = self.measured.borrow();
+        let (distance, normal) = vertices.iter().map(|&vertex| self.known(&measured, vertex)).unzip();
+        Ok(Measured { distance, normal })
     }
 
     /// g0 (m) of `nodes`, averaged against their pressures.

@@ -20,7 +20,7 @@ impl Report {
             self.leave_out("product response", "the product is rigid: its displacement under load is zero");
         }
         let vertex_count = gaps.surface.vertices().len();
-        let beyond = gaps.distances().iter().filter(|distance| distance.is_infinite()).count();
+        let beyond = gaps.undeformed().iter().filter(|distance| distance.is_infinite()).count();
         if beyond > 0 {
             let limit = gaps.search_distance;
             let why = format!(

@@ -76,7 +76,7 @@ impl Report {
             return Ok(());
         }
         let nearest = {
-            let distances = gaps.distances();
+            let distances = gaps.undeformed();
             let order = |&a: &usize, &b: &usize| distances[a].total_cmp(&distances[b]);
             (0..distances.len()).min_by(order).expect("a surface has vertices")
         };

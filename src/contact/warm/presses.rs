@@ -237,7 +237,7 @@ impl Setup<'_> {
             let scene = self.approach.scene(depth, self.surface, self.obstacle, touch);
             let gaps = Gaps::measure(self.surface, &scene, self.options.search_distance)?;
             let given = &mut warm.meshes.given;
-            given.gap = gaps.undeformed();
+            given.gap = gaps.undeformed().to_vec();
             if !self.options.couple_fingers {
                 let is_under_kernel = |vertex| self.skin.kernel_at(vertex).is_some();
                 let pressed = &gaps.penetrating;

@@ -40,10 +40,7 @@ impl Beside {
         };
         let is_beside = |vertex: &usize| forces.candidates.binary_search(vertex).is_err();
         let mut near = surface.k_ring(&forces.candidates, 1);
-        {
-            let distance = gaps.distances();
-            near.extend((0..distance.len()).filter(|&vertex| distance[vertex] < reach));
-        }
+        near.extend(gaps.nearer_than(reach));
         near.retain(|vertex| surface.skin_mask()[*vertex] && is_beside(vertex));
         let near = distinct(near);
         let mut rim = surface.k_ring(&forces.active, RIM_RINGS);
