@@ -266,15 +266,29 @@ fn plate_with_hole() -> Obstacle {
     Obstacle::mesh(vertices, faces.collect(), &MeshObstacleOptions::default()).expect("a closed mesh")
 }
 
+/// Whether it is said that the force acts off the obstacle.
+fn is_off(contact: &Contact) -> bool {
+    let off = "off the obstacle in the mean";
+    told(contact, WarningKind::Penetration).iter().any(|message| message.contains(off))
+}
+
+#[test]
+fn averaged_gaps_of_few_nodes_settle_on_a_smooth_product() {
+    let below = Obstacle::sphere(-0.05 * UP, 5e-3).expect("a sphere");
+    for depth in [0.3e-3, 0.6e-3] {
+        let options = ContactOptions::on_given_mesh();
+        let contact = pressed(&ball(8e-3, 3), &below, &galerkin(), Goal::Depth(depth), &options);
+        assert!(!contact.active.is_empty() && !is_off(&contact), "{:?}", contact.warnings);
+    }
+}
+
 #[test]
 fn gaps_on_a_rounded_rim_settle_and_a_press_that_ends_before_is_told() {
     let plate = plate_with_hole().translated(&(-0.05 * UP));
     let on_rim = |skin: &KernelSkin, subdivisions, depth, max_linearizations| {
         let options = ContactOptions { max_linearizations, ..ContactOptions::on_given_mesh() };
         let contact = pressed(&ball(8e-3, subdivisions), &plate, skin, Goal::Depth(depth), &options);
-        let off = "off the obstacle in the mean";
-        let is_told = told(&contact, WarningKind::Penetration).iter().any(|message| message.contains(off));
-        (contact.resultant.force.z, contact.accuracy.force_error.expect("a contact"), is_told)
+        (contact.resultant.force.z, contact.accuracy.force_error.expect("a contact"), is_off(&contact))
     };
     // Averaged gaps settle on a finer mesh.
     for (skin, subdivisions, depth) in [(half_space(), 4, 2e-3), (galerkin(), 5, 1e-3)] {

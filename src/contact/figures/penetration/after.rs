@@ -3,6 +3,7 @@
 
 use nalgebra::Vector3;
 
+use crate::contact::discretization::gap_of;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
@@ -76,7 +77,7 @@ pub(crate) fn penetration_after(
     Ok(Penetration {
         depth,
         mean: moved.mean_depth(&of_faces).unwrap_or(depth),
-        apart: moved.apart(traits.discretization),
+        apart: moved.apart(traits.discretization)?,
         is_at_vertex: moved.deepest_vertex() >= depth,
         receding: moved.receding(&middles, modulus),
         unfelt: moved.unfelt(),
@@ -185,19 +186,23 @@ impl<'a> MovedSkin<'a> {
     }
 
     /// How far off the obstacle the force acts in the mean (m).
-    fn apart(&self, discretization: Discretization) -> f64 {
+    fn apart(&self, discretization: Discretization) -> Result<f64, ContactError> {
         let reach = self.gaps.deepest();
-        let off: Vec<f64> = self.measured.distance.iter().map(|distance| distance.min(reach)).collect();
-        let off = match discretization {
-            Discretization::Collocation => off,
-            // Averaged gaps of nodes are closed, not those of vertices.
-            Discretization::Galerkin => self.averages(&off),
-        };
+        let mut off: Vec<f64> = self.measured.distance.iter().map(|distance| distance.min(reach)).collect();
+        if discretization == Discretization::Galerkin {
+            // Averaged gaps of nodes are closed as the planes have them, not those of vertices.
+            let at_rest = self.gaps.surface.vertices();
+            let moved = self.vertices.iter().zip(&self.points);
+            let moved: Vec<Vector3<f64>> = moved.map(|(&vertex, point)| point - at_rest[vertex]).collect();
+            let solved = gap_of(self.gaps, &self.vertices, &moved)?;
+            off.iter_mut().zip(solved).for_each(|(off, solved)| *off -= solved.min(reach));
+            off = self.averages(&off);
+        }
         let work = self.vertices.iter().zip(off).map(|(&vertex, off)| self.own_force(vertex) * off.max(0.0));
-        work.sum::<f64>() / self.forces.force.iter().sum::<f64>().max(f64::MIN_POSITIVE)
+        Ok(work.sum::<f64>() / self.forces.force.iter().sum::<f64>().max(f64::MIN_POSITIVE))
     }
 
-    /// Averages of distances against the hats of vertices, each taken as the problem does: on another side of the obstacle a
+    /// Averages of distances (m) against the hats of vertices, each taken as the problem does: on another side of the obstacle a
     /// vertex's own stands for them. 0 where some triangles around one drape over an edge or are not among those here.
     fn averages(&self, distance: &[f64]) -> Vec<f64> {
         let count = distance.len();
