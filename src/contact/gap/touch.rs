@@ -37,18 +37,29 @@ pub(crate) fn touch_between(
     let turn = Matrix3::from_columns(&[across, up, *direction]).transpose();
     let bounds = bounds.turned(&turn).grown(OBSTACLE_ROUNDING * bounds.diagonal());
     let vertices = surface.vertices().par_iter().with_min_len(CHECKED_PER_TASK);
-    let seen: Vec<Vector3<f64>> = vertices.map(|vertex| turn * vertex).collect();
+    let sides: Vec<u8> = vertices.map(|vertex| sides_beyond(&(turn * vertex), &bounds, latest)).collect();
     let mask = surface.skin_mask();
     let in_its_way = |corners: &[u32; 3]| {
-        let mut reach = Bounds::around_each(corners.map(|corner| seen[corner as usize]));
+        let beyond_one = corners.iter().fold(u8::MAX, |common, &corner| common & sides[corner as usize]);
+        if beyond_one != 0 || !corners.iter().all(|&corner| mask[corner as usize]) {
+            return None;
+        }
+        let seen = corners.map(|corner| turn * surface.vertices()[corner as usize]);
+        let mut reach = Bounds::around(&seen);
         (reach.low.z, reach.high.z) = (reach.low.z - latest, f64::INFINITY);
-        let may_touch = reach.meets(&bounds) && corners.iter().all(|&corner| mask[corner as usize]);
-        may_touch.then_some(Face { corners: *corners, reach })
+        Some(Face { corners: *corners, reach })
     };
     let faces = surface.faces().par_iter().with_min_len(CHECKED_PER_TASK);
     let faces: Vec<Face> = faces.filter_map(in_its_way).collect();
     let of_line = touch_of_line(surface, &faces, obstacle, direction, earliest);
-    of_line.min(Seen { turn, vertices: &seen, faces: &faces }.touch_of_edges(obstacle, earliest))
+    of_line.min(Seen { turn, surface, faces: &faces }.touch_of_edges(obstacle, earliest))
+}
+
+/// Sides of the obstacle's box that a vertex is beyond, in bits: a triangle all of whose corners are beyond one is out of the way.
+fn sides_beyond(seen: &Vector3<f64>, bounds: &Bounds, latest: f64) -> u8 {
+    let Bounds { low, high } = bounds;
+    let beyond = [seen.x < low.x, seen.x > high.x, seen.y < low.y, seen.y > high.y, seen.z - latest > high.z];
+    beyond.iter().fold(0, |sides, &is_beyond| sides << 1 | u8::from(is_beyond))
 }
 
 /// A triangle of the skin in the way of the obstacle.
@@ -87,7 +98,7 @@ fn touch_of_line(
 /// Triangles of a skin as seen along the direction, which is the third axis.
 struct Seen<'a> {
     turn: Matrix3<f64>,
-    vertices: &'a [Vector3<f64>],
+    surface: &'a Surface,
     faces: &'a [Face],
 }
 
@@ -110,7 +121,7 @@ impl Seen<'_> {
         }
         let tree = box_tree(boxes.into_iter());
         let travel = |face: &Face| {
-            let triangle = face.corners.map(|corner| self.vertices[corner as usize]);
+            let triangle = face.corners.map(|corner| self.turn * self.surface.vertices()[corner as usize]);
             let over = tree.leaves(|node| node_bounds(node).meets(&face.reach));
             let travel =
                 |edge: u32| Some(-depth_along(&edges[edge as usize], &triangle, &Vector3::z())?.depth);
