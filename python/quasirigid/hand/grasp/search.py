@@ -14,6 +14,7 @@ _STALE = 2  # brackets that closed and may have been stale
 _STEADY = 3.0  # a slope that is known from another measure is right up to this factor
 _FADED = 0.5  # of the most: a digit that goes deeper and holds less has gone through what it held
 _FADES = 3  # trials in a row of which that is true
+_SLIPPED = 0.95  # of the most: one that goes on in the last rounds and holds less slips by
 _NEARLY = 0.8  # of what is wanted: what slipped by with less does so however it is measured
 _FAR_BELOW = 0.5  # of the wanted height: from there up, a slope is that of the digit itself
 _INWARDS = 0.05  # of a bracket: no trial nearer to its ends
@@ -50,6 +51,7 @@ class Search:
     _most_depth: float = 0.0
     _faded: int = 0
     _falls: bool = False
+    _is_again: bool = False
     _has_missed: bool = False
     _closed: int = 0
     _trial: int = 0
@@ -105,6 +107,7 @@ class Search:
         self._slope = self._known_slope = self._known_slope or self._slope
         self._last = self._low = self._high = None
         self._closed = 0
+        self._is_again = True
         self._has_missed = self._has_missed or self.missed == "end"
         # To look again costs nothing at the end of a way, but many trials where a digit slips by.
         slips_by = abs(self.share) < 1.0 and self.most < _NEARLY * self.wanted
@@ -128,8 +131,7 @@ class Search:
         if (value, self.share) > self._most:
             self._most, self._most_depth = (value, self.share), depth
         self._falls = self._falls or (value < self.most and self.share > self._most[1])
-        is_faded = value < _FADED * self.most and depth > self._most_depth
-        self._faded = self._faded + 1 if is_faded else 0
+        self._faded = self._faded + 1 if self._is_less(value, depth) else 0
         if self._below is None or height < _FAR_BELOW or self.share < self._below[0]:
             self._below = (self.share, height)
         # Across a jump the slope is that of nothing.
@@ -161,6 +163,12 @@ class Search:
     def is_stuck(self) -> bool:
         """Whether the value jumps across the wanted one wherever it was looked for."""
         return self._closed > _STALE
+
+    def _is_less(self, value: float, depth: float) -> bool:
+        """Whether it holds less because it went on too far; where trials are few, the sooner."""
+        gone_through = depth > self._most_depth and value < _FADED * self.most
+        farther = self.most < self.wanted and self.share > self._most[1]
+        return gone_through or (self._is_again and farther and value < _SLIPPED * self.most)
 
     def _go_back(self) -> None:
         """Return to where there was the most, to look there once more if that was enough."""

@@ -56,6 +56,18 @@ def test_a_digit_that_slips_by_again_is_told_what_it_comes_to_and_one_that_climb
     assert search.missed == missed
 
 
+def test_a_digit_that_slips_by_in_the_last_rounds_alone_goes_back_to_where_it_held_the_most():
+    def force(share):
+        return max(0.9 * (1.0 - ((share - 0.5) / 0.05) ** 2), 0.0)
+
+    search = Search(wanted=1.0, power=2.0 / 3.0, share=0.5)
+    search.begin_again()
+    for _ in range(hold._MOST_ROUNDS):
+        search.take(force(search.share), 8e-3, step=0.01, depth=0.0)
+    assert search.share == 0.5
+    assert search.reason(1e-2, "N", 1.0) == "comes to 0.9 of 1 N at the most on its way"
+
+
 def test_digits_that_a_large_contact_left_no_trials_are_named(hand, handle, monkeypatch):
     monkeypatch.setattr(hold, "_LARGE", 1)
     grasp = qr.close_hand(hand, handle, skin(), force=16.0, options=AS_GIVEN)
