@@ -88,6 +88,11 @@ impl NodeForces {
         self.active.iter().map(|&vertex| self.vectors[vertex]).collect()
     }
 
+    /// Their sum (N).
+    pub fn total(&self) -> Vector3<f64> {
+        self.active.iter().map(|&vertex| self.vectors[vertex]).sum()
+    }
+
     /// How the forces move the candidates (k, m), to the tolerance of R itself: gaps taken anew hang on it.
     pub fn moved(&self, response: &Compliance) -> Result<&[Vector3<f64>], ContactError> {
         if let Some(moved) = self.moved.get() {

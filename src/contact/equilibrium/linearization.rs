@@ -111,7 +111,7 @@ fn settle<'a>(
         was_vain,
         deformed,
         active: forces.active.clone(),
-        force: forces.vectors.iter().sum(),
+        force: forces.total(),
         best: (least, forces, gaps.clone()),
         first: None,
         before: least,
@@ -191,7 +191,7 @@ impl<'a> Linearizations<'a, '_> {
         self.active.clone_from(&forces.active);
         self.deformed = Deformed::new(gaps, self.response, &forces, report)?;
         let left = self.deformed.left(gaps, &self.response.traits, &forces)?;
-        let total: Vector3<f64> = forces.vectors.iter().sum();
+        let total = forces.total();
         let is_same_force = (total - self.force).norm() <= self.options.gap_tolerance * total.norm();
         self.force = total;
         report.linearizations.push(round(total, &forces, left.largest, started));
