@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from .. import _core
-from .._check import as_choice, as_direction, reals_or_empty, short
+from .._check import as_choice, as_direction, as_vector, reals_or_empty, short
 from .._progress import print_progress, reporter
 from ..errors import QuasirigidError, ResponseError
 from ..scene import check_scene
@@ -125,18 +125,20 @@ def sweep(
         skin = skin.prepared(surface, num_threads=num_threads)
     goal = "force" if depths is None else "depth"
     values = _values(f"{goal}s", forces if depths is None else depths, zero=goal == "depth")
+    unit = as_direction("direction", direction, ContactError)
     question = Question(
         surface=surface,
         obstacle=obstacle,
         skin=skin,
-        direction=as_direction("direction", direction, ContactError),
+        # As given: normalised twice it may be another to the bit.
+        direction=as_vector("direction", direction, ContactError),
         goal=goal,
         values=values,
         start=as_choice("start", start, Start, ContactError),
         options=options,
     )
     report = reporter(progress, _print_step)
-    rows, warm = _Rows(len(values)), _core.WarmStart()
+    rows, warm = _Rows(len(values), unit), _core.WarmStart()
     for step in range(len(values)):
         rows.solve(question, step, warm)
         if report is not None:
@@ -150,7 +152,8 @@ def sweep(
 class _Rows:
     """The figures of a sweep under way."""
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, direction: NDArray[np.float64]) -> None:
+        self.direction = direction
         self.scalars = {name: np.full(count, np.nan) for name in _SCALARS}
         self.vectors = {name: np.full((count, 3), np.nan) for name in ("force", "moment")}
         self.status: list[str] = []
@@ -178,15 +181,15 @@ class _Rows:
             self.messages.append(contact.advice)
             self.warnings.append(contact.warnings)
             warn_of(contact.warnings, stacklevel=3)
-            self._take(contact, question.direction, step)
+            self._take(contact, step)
         self.scalars["seconds"][step] = time.perf_counter() - started
 
-    def _take(self, contact: Contact, direction: NDArray[np.float64], step: int) -> None:
+    def _take(self, contact: Contact, step: int) -> None:
         if contact.status not in (ContactStatus.SOLVED, ContactStatus.NO_CONTACT):
             return
         figures = {
             "depth": contact.depth,
-            "normal_force": contact.force @ direction,
+            "normal_force": contact.force @ self.direction,
             "contact_area": contact.contact_area,
             "max_pressure": contact.max_pressure,
             "force_error": contact.accuracy.force_error,

@@ -115,6 +115,22 @@ def test_a_mesh_taken_as_it_is_and_a_sharp_edge_begin_anew_each_step(surface: qr
             np.testing.assert_array_equal(curve.force[step], contact.force)
 
 
+@pytest.mark.parametrize("direction", [[-0.1, 0.7, 0.9], [2.0, 3.0, 3.0], [3.0, 2.0, 3.0]])
+def test_a_step_along_a_slanted_direction_is_its_press_to_the_bit(
+    surface: qr.Surface, direction: list[float]
+) -> None:
+    options = qr.ContactOptions(target_error=None)
+    given = np.array(direction)
+    across = qr.Obstacle.half_space(-0.05 * given, given)
+    curve = qr.sweep(surface, across, SKIN, given, depths=[1e-3], options=options)
+    contact = qr.press(surface, across, SKIN, direction, depth=1e-3, options=options)
+    np.testing.assert_array_equal(curve.force[0], contact.force)
+    along = given / np.linalg.norm(given)
+    np.testing.assert_allclose(curve.normal_force[0], contact.force @ along, rtol=1e-14)
+    given[:] = 0.0
+    np.testing.assert_array_equal(curve[0].force, contact.force)
+
+
 def test_each_step_keeps_its_warnings(fingertip: qr.Surface) -> None:
     options = qr.ContactOptions(target_error=None)
     with pytest.warns(qr.QuasirigidWarning):
