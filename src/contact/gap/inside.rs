@@ -85,13 +85,12 @@ impl SkinPart<'_> {
             }
             let [from, to] = edge.ends;
             let (length, half) = ((to - from).norm(), 0.5 * around.diagonal());
-            let way = (to - from) / length;
-            // What is farther from the middle of the box is outside.
-            let middle = (around.center() - from).dot(&way);
-            let (start, end) = ((middle - half).max(0.0), (middle + half).min(length));
-            let parts = ((end - start) / spacing).ceil().max(1.0);
-            let along =
-                (0..=parts as usize).map(|part| from + (start + part as f64 / parts * (end - start)) * way);
+            // What is farther from the middle of the box is outside. The points are the edge's own, wherever the box ends.
+            let middle = (around.center() - from).dot(&(to - from)) / length;
+            let parts = (length / spacing).ceil().max(1.0);
+            let part_at = |way: f64| (way / length).clamp(0.0, 1.0) * parts;
+            let (start, end) = (part_at(middle - half).floor(), part_at(middle + half).ceil());
+            let along = (start as usize..=end as usize).map(|part| from + part as f64 / parts * (to - from));
             points.extend(along.filter(|point| around.contains(point)));
         }
         points
@@ -170,6 +169,30 @@ mod tests {
         assert!((skin.deepest_inside(&points, &edge_at(0.1), 0.5, 0.0, false) - 0.1).abs() < 1e-12);
         assert_eq!(skin.deepest_inside(&points, &edge_at(0.1), 0.5, 0.2, false), 0.2);
         assert_eq!(skin.deepest_inside(&points, &edge_at(-0.1), 0.5, 0.0, false), 0.0);
+    }
+
+    #[test]
+    fn an_edge_that_is_longer_than_the_skin_is_as_deep_however_the_scene_is_turned() {
+        let (mut points, triangles) = grid(8, 8, 0.25);
+        for point in &mut points {
+            *point -= Vector3::new(1.0, 1.0, 0.0);
+            point.z = 0.5 * point.x.abs() - 0.1 * point.y * point.y;
+        }
+        let turn = nalgebra::Rotation3::from_axis_angle(&Vector3::y_axis(), FRAC_PI_4);
+        let edge = Obstacle::cuboid(Vector3::new(1.0, 5.0, 1.0)).expect("a box");
+        let depth_in = |turned: nalgebra::Rotation3<f64>| {
+            let points: Vec<Vector3<f64>> = points.iter().map(|point| turned * point).collect();
+            let shift = turned * Vector3::new(0.0, 0.1, 2f64.sqrt() - 0.1);
+            let edge = edge.moved((turned * turn).matrix(), &shift).expect("a turn");
+            let skin = SkinPart { points: &points, triangles: &triangles };
+            skin.deepest_inside(&points, &edge, 0.5, 0.0, false)
+        };
+        let as_it_stands = depth_in(nalgebra::Rotation3::identity());
+        assert!(as_it_stands > 0.09, "{as_it_stands}");
+        for angle in [0.3, 0.7, 2.0] {
+            let turned = depth_in(nalgebra::Rotation3::from_euler_angles(angle, 2.0 * angle, 0.5));
+            assert!((turned - as_it_stands).abs() < 1e-12, "{turned} {as_it_stands}");
+        }
     }
 
     #[test]
