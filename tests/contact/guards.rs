@@ -14,7 +14,7 @@ use crate::{
     POISSON_RATIO, SHEAR_MODULUS, UP, ball, half_space, lattice, plate, press_up, pressed, skin, solve,
 };
 
-/// A plate pressed on a surface.
+/// What the warnings of a kind say.
 fn told(contact: &Contact, kind: WarningKind) -> Vec<&str> {
     let of_kind = contact.warnings.iter().filter(|one| one.kind == kind);
     of_kind.map(|one| one.message.as_str()).collect()

@@ -1,4 +1,4 @@
-//! Initial gaps of a skin, measured on demand.
+//! Initial gaps of a skin, measured on demand, and their planes at displaced vertices.
 
 use std::cell::{Ref, RefCell};
 use std::collections::{BTreeMap, HashMap};

@@ -35,7 +35,7 @@ pub(crate) struct Penetration {
     pub depth: f64,
     /// The mean over all skin under force (m).
     pub mean: f64,
-    /// How far off the obstacle the force acts in the mean (m), where gaps that are zero at vertices did not settle.
+    /// How far off the obstacle the force acts in the mean (m), beyond the gaps that were solved: where these did not settle.
     pub apart: f64,
     /// Whether a vertex of the skin is that deep, not only a point between vertices.
     pub is_at_vertex: bool,
@@ -190,7 +190,7 @@ impl<'a> MovedSkin<'a> {
         let reach = self.gaps.deepest();
         let mut off: Vec<f64> = self.measured.distance.iter().map(|distance| distance.min(reach)).collect();
         if discretization == Discretization::Galerkin {
-            // Averaged gaps of nodes are closed as the planes have them, not those of vertices.
+            // What averages leave open at vertices the planes have too: the rest did not settle.
             let at_rest = self.gaps.surface.vertices();
             let moved = self.vertices.iter().zip(&self.points);
             let moved: Vec<Vector3<f64>> = moved.map(|(&vertex, point)| point - at_rest[vertex]).collect();
